@@ -1,8 +1,8 @@
-"""Loops that Numba compiles once on a machine: by the step that first needs them, with progress.
+"""Compiling Numba loops once per machine, grouped in steps by first use, with progress.
 
-Beside the compiled loops each step has a file.  The process that compiles a step holds a lock on
-the file and writes its progress there; others wait, and go on when that process dies.  A loop that
-was changed is compiled when it is first run, whatever the files say.
+Each step has a file beside the compiled loops.  The process that compiles a step locks the file and
+writes its progress to it; other processes wait, and continue if that process dies.  A changed loop
+is compiled at its first run, independent of these files.
 """
 
 from __future__ import annotations
@@ -22,30 +22,30 @@ from typing import Literal, get_args
 import pointbrush
 
 StepName = Literal["objects", "things", "people", "imports", "example", "paper"]
-"""Steps in the order of first use: the object tool, tracking of things and people, the others."""
+"""Steps in the order of first use: object tool, tracking of things and people, then the others."""
 STEPS: tuple[StepName, ...] = get_args(StepName)
 PACKAGE = Path(pointbrush.__file__).parent
 NOTE = "pointbrush-loops-{}.json"
 RECORD_BYTES = 512
 LOOK_SECONDS = 0.2
-"""Time between two looks at a step that another process compiles."""
+"""Polling interval for a step that another process compiles."""
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Progress of a step: a share, 0 to 1, and the seconds that probably remain, None: unknown."""
+    """Progress of a step: a share, 0 to 1, and the estimated remaining seconds; None: unknown."""
 
     share: float
     seconds: float | None = None
 
 
 Report = Callable[[Progress], None]
-"""Gets the progress of the step that is waited for; its errors end the wait."""
+"""Callback with the progress of the awaited step; an error in it ends the wait."""
 DONE = Progress(1.0, 0.0)
 
 
 def progress_of(step: StepName) -> Progress:
-    """Return the progress of a step on this machine; DONE as well where it cannot be known."""
+    """Return the progress of a step on this machine; DONE if it is unknown."""
     if (path := _path(step)) is None:
         return DONE
     try:
@@ -53,18 +53,18 @@ def progress_of(step: StepName) -> Progress:
         if noted.pop("stamp") == _stamp():
             return Progress(**noted)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        pass  # not begun, or just being written
+        pass  # not started, or being written
     return Progress(0.0)
 
 
 def are_compiled(steps: Iterable[StepName] = STEPS) -> bool:
-    """Return whether the loops of some steps are compiled; True where that cannot be known."""
+    """Return whether the loops of some steps are compiled; True if it is unknown."""
     return all(progress_of(step).share >= 1 for step in steps)
 
 
 @contextlib.contextmanager
 def hold(step: StepName) -> Iterator[Report | None]:
-    """Hold a step and yield what notes its progress; None where another process holds it."""
+    """Lock a step and yield a function that stores its progress; None: another process has it."""
     path = _path(step)
     assert path is not None  # noqa: S101 – without a path every step counts as compiled
     with os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT, 0o644), "r+b") as file:
@@ -76,14 +76,14 @@ def hold(step: StepName) -> Iterator[Report | None]:
 
         def note(progress: Progress) -> None:
             record = json.dumps({"stamp": _stamp(), **asdict(progress)})
-            # In one piece and of one length: readers see the last record or this one.
+            # A single write of constant length: readers see the last record or this one.
             os.pwrite(file.fileno(), record.ljust(RECORD_BYTES).encode(), 0)
 
         yield note
 
 
 def _path(step: StepName) -> Path | None:
-    """Return the path of a step's file; None where compiled loops are kept in no place known."""
+    """Return the path of a step's file; None if no folder for compiled loops is writable."""
     folder = _folder(os.environ.get("NUMBA_CACHE_DIR", ""))
     return None if folder is None else folder / NOTE.format(step)
 

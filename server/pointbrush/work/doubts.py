@@ -1,4 +1,4 @@
-"""Frames in which the tracker is not sure of a label."""
+"""Frames with an uncertain track of a label."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 DOUBTFUL = 0.5
-"""Confidence under which a tracked frame should be looked at."""
+"""Confidence below which a tracked frame needs a review."""
 
 
 def is_doubtful(track: Mapping[str, Any]) -> bool:
-    """Tell whether a label was lost, occluded or tracked with little confidence in a frame."""
+    """Return whether a label was lost, occluded or tracked with low confidence in a frame."""
     return track["state"] in ("lost", "occluded") or track["confidence"] < DOUBTFUL

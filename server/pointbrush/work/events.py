@@ -1,4 +1,4 @@
-"""Events of a workspace, for those who watch it."""
+"""Events of a workspace for subscribers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Provisional:
-    """Findings of a tracking run in a frame: stored numbers and a label for each."""
+    """Provisional results of a tracking run in a frame: stored numbers and a label for each."""
 
     sequence: str
     frame: int
@@ -32,7 +32,7 @@ class Provisional:
 
 @dataclass(frozen=True)
 class Retracted:
-    """A run's provisional findings are void: it failed, or was cancelled without keeping."""
+    """A run's provisional results are void: it failed, or was cancelled without keeping them."""
 
     sequence: str
     job: str
@@ -48,7 +48,7 @@ class SequencesChanged:
 
 @dataclass(frozen=True)
 class Prepared:
-    """A frame is ready for the object tool: its clicks are answered from all of it."""
+    """A frame is ready for the object tool: clicks use the whole frame."""
 
     sequence: str
     frame: int
@@ -89,7 +89,7 @@ class Listeners:
         self._listeners: list[Callable[[Event], None]] = []
 
     def add(self, listener: Callable[[Event], None]) -> Callable[[], None]:
-        """Call ``listener`` at every event, from any thread; returns what undoes it."""
+        """Call ``listener`` at every event, from any thread; return a function that removes it."""
         with self._lock:
             self._listeners.append(listener)
 
@@ -101,7 +101,7 @@ class Listeners:
         return undo
 
     def tell(self, event: Event) -> None:
-        """Tell everybody."""
+        """Notify all listeners."""
         with self._lock:
             listeners = list(self._listeners)
         for listener in listeners:

@@ -1,4 +1,4 @@
-"""Labelled frames on their way to a file, in source order."""
+"""Labelled frames for export, in source order."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ Columns = dict[str, NDArray[Any]]
 
 
 SENT = ("xyz", "rgb", "intensity")
-"""Columns of a frame's points that leave by REST."""
+"""Columns of a frame's points in REST responses."""
 EXPORTED = (*SENT, "instance")
 VERIFIED_AHEAD = 2 << 30
-"""Bytes of frames that are compared with their checksums before an export begins: seconds."""
+"""Bytes of frames with checksums verified before an export starts, which takes seconds."""
 VALIDATION = 5
-"""Of so many recordings about one is for validation where nobody chooses."""
+"""By default about one of so many recordings is for validation."""
 NO_VALIDATION = "none"
-"""Word that asks for no validation."""
+"""Value of the option for no validation."""
 BY_DEFAULT = "default: one recording in five by its id, never all of a workspace"
-"""Reason of a split that nobody chose, in ``export.json``."""
+"""Reason of a default split in ``export.json``."""
 
 
 def source_columns(
     recording: Sequence, index: int, names: Collection[str] = SENT
 ) -> Iterator[Columns]:
-    """Columns of a frame in source order and coordinates, exact: consecutive blocks.
+    """Yield exact columns of a frame in source order and coordinates, in consecutive blocks.
 
-    Raises DamagedError, at once, unless the frame's files are as they were imported.
+    Raises DamagedError, before the first block, if the frame's files have changed.
     """
     stored = recording[index]
     stored.verify(names)
@@ -61,10 +61,9 @@ def _point_frame(recording: Sequence, index: int, columns: Columns) -> PointFram
 
 
 def require_whole(recording: Sequence, frames: range) -> None:
-    """Raise DamagedError when a frame of ``frames`` is damaged, as far as is known beforehand.
+    """Raise DamagedError if a frame of ``frames`` is found damaged before the export.
 
-    All files must be there and as long as they were; checksums are compared of as many frames
-    as VERIFIED_AHEAD allows.
+    All files must exist with their original size; checksums are verified up to VERIFIED_AHEAD.
     """
     compared = 0
     for index in frames:
@@ -80,10 +79,10 @@ def labeled_frames(
     gaps: list[str] | None = None,
     above: float = 0.0,
 ) -> Iterator[formats.ExportFrame]:
-    """Each frame of ``frames`` with its annotation and tracks, one at a time.
+    """Yield each frame of ``frames`` with its annotation and tracks.
 
-    A frame that is an octree comes in blocks.  A damaged frame is left out and told in ``gaps``,
-    where there is such a list; elsewhere it raises DamagedError.  ``above``: as of KeptAnnotation.
+    A frame stored as an octree has blocks.  A damaged frame is left out and added to ``gaps``;
+    without ``gaps`` it raises DamagedError.  ``above``: see KeptAnnotation.
     """
     sequence, up = recording.manifest.id, recording.manifest.T_room_local[1, :3]
     tracks: dict[int, list[dict[str, Any]]] = {}
@@ -118,7 +117,7 @@ def labeled_frames(
 
 
 def _open(recording: Sequence, index: int) -> bool:
-    """Compare a frame with its checksums; whether it is an octree.  Raises DamagedError."""
+    """Verify a frame's checksums; return whether it is an octree.  Raises DamagedError."""
     stored = recording[index]
     stored.verify(EXPORTED)
     return stored.large
@@ -131,7 +130,7 @@ def _blocks(
     tracks: list[dict[str, Any]],
     up: NDArray[np.float64],
 ) -> Iterator[formats.LabeledFrame]:
-    """A frame with its annotation in blocks of source order."""
+    """Yield blocks of a frame with its annotation in source order."""
     stored = recording[index]
     header, rows = recording.source_header(index), recording.source_rows(index)
 
@@ -162,9 +161,9 @@ def _blocks(
 def layer_blocks(
     store: LabelStore | PastLabels, recording: Sequence, index: int, layer: str
 ) -> tuple[Iterator[NDArray[Any]], int]:
-    """A layer of a frame in source order, in blocks, and the frame's last change's revision.
+    """Return blocks of a frame's layer in source order, and the revision of its last change.
 
-    Raises DamagedError, at once, unless the order of the points is as it was imported.
+    Raises DamagedError, before the first block, if the stored order of points has changed.
     """
     require_layer(layer)
     stored = recording[index]
@@ -174,7 +173,7 @@ def layer_blocks(
 
 
 def parse_frames(text: str | None, count: int) -> range:
-    """``I:J`` (J not included, either may be left out), ``I``, or None for all frames.
+    """Parse ``I:J`` (J excluded, both optional), ``I``, or None for all frames.
 
     Raises BadInputError for another form or a range outside the sequence.
     """
@@ -198,12 +197,11 @@ def parse_frames(text: str | None, count: int) -> range:
 def choose_split(
     format: str, asked: str | None, recording: Sequence, known: Callable[[], Collection[str]]
 ) -> formats.Split:
-    """Choose the frames for validation: those ``asked`` for, or by default.
+    """Return the frames for validation, as ``asked`` or by default.
 
-    ``asked`` is a range of frames ``I:J``, ids of recordings with commas, all of whose frames are,
-    or ``none``.  By default it is all frames of about one recording in five of those ``known``.
-    Raises BadInputError for a format without splits, a range outside the recording, or an id that
-    is not known.
+    ``asked`` is a range of frames ``I:J``, comma-separated ids of recordings (all frames), or
+    ``none``.  By default, all frames of about one in five of the ``known`` recordings.  Raises
+    BadInputError for a format without splits, a range outside the recording, or an unknown id.
     """
     name, count = recording.manifest.id, len(recording)
     if not formats.EXPORTS[format].splits:
@@ -226,10 +224,10 @@ def choose_split(
 
 
 def _validation(known: Collection[str]) -> set[str]:
-    """Choose recordings for validation by a hash of their ids; none where that would be all.
+    """Return recordings for validation by a hash of their ids; none instead of all.
 
-    Frames of one drive are alike: divided among both splits, they would let a model be judged by
-    what it was trained on.
+    Frames of a recording are similar: with frames in both splits, a model would be validated on its
+    training data.
     """
     digests = {name: hashlib.sha256(name.encode()).digest()[:8] for name in known}
     chosen = {name for name in known if int.from_bytes(digests[name], "big") % VALIDATION == 0}
@@ -239,6 +237,6 @@ def _validation(known: Collection[str]) -> set[str]:
 def split_frames(
     frames: Iterable[formats.ExportFrame], split: formats.Split
 ) -> Iterator[formats.ExportFrame]:
-    """Give frames their split."""
+    """Yield frames with their split."""
     for frame in frames:
         yield replace(frame, split=split)

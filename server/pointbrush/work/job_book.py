@@ -1,4 +1,4 @@
-"""Jobs that outlive their server: written down as they go, and begun again by who is left."""
+"""Persistence of jobs, so that another server can restart jobs of an ended server."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from pointbrush.work.imports.requests import UPLOAD
 log = logging.getLogger(__name__)
 
 LOOK_SECONDS = 2.0
-"""Interval of looks at what other servers do, and ask."""
+"""Polling interval for changes and requests of other servers."""
 BEAT_SECONDS = 5.0
-"""Interval at which a server says how far its jobs are."""
+"""Interval at which a server stores the progress of its jobs."""
 MOST_LOST = 3
-"""Servers that may die under a job until it is left alone: it may be what kills them."""
+"""Number of lost servers after which a job is not restarted, as it may have crashed them."""
 WAITS = "the server has ended; the job starts again"
 NOT_AGAIN = "the server ended before the job was done; start it again"
 
 Begin = Callable[[Job], dict[str, Any] | None]
-"""Hands a job to the runner that another server has begun, or returns its result if it was done.
+"""Submits another server's job to the runner, or returns its result if it was done.
 
 Raises PointbrushError.
 """
 
 
 class JobBook:
-    """The jobs of all servers on one database; this one's are its runner's."""
+    """The jobs of all servers of one database; the runner has the jobs of this server."""
 
     def __init__(
         self,
@@ -48,16 +48,16 @@ class JobBook:
         keep: Callable[[str], None],
         public: Callable[[str], str] = str,
     ) -> None:
-        """``begin`` names what begins each ``call`` of a job's request again.
+        """``begin`` has the function that restarts a job, by the ``call`` in its request.
 
-        ``notify(job)`` is called when another server's job changes; ``keep(job_id)`` before one is
-        cancelled whose findings are wanted; ``public`` as of the runner.
+        ``notify(job)`` is called when another server's job changes; ``keep(job_id)`` before a job
+        is cancelled and its results are kept; ``public``: see the runner.
         """
         self._records, self._runner, self._notify = store.jobs, runner, notify
         self._begin, self._keep, self._public = begin, keep, public
         self._changed: dict[str, Job] = {}
         self._dropped: set[str] = set()
-        """Jobs that could not be begun, whose records are to go."""
+        """Ids of jobs that failed to start; their records will be removed."""
         self._seen: dict[str, Job] = {}
         self._waiting: dict[str, JobRecord] = {}
         self._lock = threading.Lock()
@@ -66,12 +66,12 @@ class JobBook:
         self._beat = self._silent_since = time.monotonic()
 
     def open(self) -> None:
-        """Write down this server's jobs from now on, and begin those again that nobody runs."""
+        """Start to store this server's jobs, and to restart jobs without a server."""
         self._runner.known.book = self
         self._thread.start()
 
     def close(self) -> None:
-        """Leave what is not done to the next server; the runner must have ended it."""
+        """Release unfinished jobs for other servers; the runner must have ended them."""
         self._stop.set()
         self._wake.set()
         if self._thread.ident is None:
@@ -88,9 +88,9 @@ class JobBook:
     # ── for the runner ───────────────────────────────────────────────────────────────────
 
     def begun(self, job: Job) -> None:
-        """Note a job before it is handed out.
+        """Store a job before it is submitted.
 
-        Raises ConflictError when there is another one of its id, UnavailableError.
+        Raises ConflictError if a job with its id exists, UnavailableError.
         """
         if job.id in self._dropped:
             self._drop()
@@ -98,19 +98,19 @@ class JobBook:
             return
         try:
             self._records.add(record_of(job))
-        except UnavailableError:  # the answer to its commit was lost, perhaps
+        except UnavailableError:  # it may be stored: the answer to the commit may be lost
             self.dropped(job)
             raise
 
     def dropped(self, job: Job) -> None:
-        """Forget a job that could not be begun, but for one that is to begin again."""
+        """Remove a job that failed to start, except a job that will be restarted."""
         with self._lock:
             if job.id not in self._waiting:
                 self._dropped.add(job.id)
         self._wake.set()
 
     def changed(self, job: Job) -> None:
-        """Note that a job has changed; its progress is written with the next beat."""
+        """Record a change of a job; its progress is stored with the next beat."""
         with self._lock:
             before = self._changed.get(job.id)
             self._changed[job.id] = job
@@ -127,7 +127,7 @@ class JobBook:
         return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
 
     def get(self, job_id: str) -> Job:
-        """Return a job of whichever server; raises NotFoundError."""
+        """Return a job of any server; raises NotFoundError."""
         try:
             return self._runner.known.get(job_id)
         except NotFoundError:
@@ -137,11 +137,10 @@ class JobBook:
             return job_of(record)
 
     def begin_once(self, job_id: str | None, owner: str | None, begin: Callable[[str], Job]) -> Job:
-        """Begin a job by ``begin(id)``, unless ``owner`` has begun one of this id before.
+        """Start a job by ``begin(id)``, or return the job that ``owner`` has started with this id.
 
-        That one is returned then, whatever became of it, so that a call whose answer was lost can
-        be repeated.  Raises BadInputError for an id that is no UUID, ConflictError for the id of
-        somebody else's job, and what ``begin`` raises.
+        A call with a lost response can therefore be repeated.  Raises BadInputError for an id that
+        is no UUID, ConflictError for the id of another person's job, and the errors of ``begin``.
         """
         wanted = edit_id(job_id)
         known = None if job_id is None else self._own(wanted, owner)
@@ -150,7 +149,7 @@ class JobBook:
         try:
             return begin(wanted)
         except ConflictError:
-            known = self._own(wanted, owner)  # the same call came twice at once
+            known = self._own(wanted, owner)  # concurrent repetition of the same call
             if known is None:
                 raise
             return known
@@ -165,14 +164,14 @@ class JobBook:
         return job
 
     def uploads(self) -> set[Path]:
-        """Return the folders of uploaded files that jobs under way need, of whichever server."""
+        """Return the folders of uploaded files of unfinished jobs of all servers."""
         requests = (record.request or {} for record in self._records.under_way())
         return {Path(request[UPLOAD]) for request in requests if request.get(UPLOAD)}
 
     def cancel(self, job_id: str, *, keep: bool) -> Job:
-        """Ask a job of whichever server to stop; raises ConflictError when it has ended.
+        """Request the cancellation of a job of any server; raises ConflictError if it has ended.
 
-        ``keep``: what it has found so far is wanted.
+        ``keep``: keep its results so far.
         """
         try:
             self._runner.known.get(job_id)
@@ -196,7 +195,7 @@ class JobBook:
             try:
                 self._look()
             except UnavailableError as error:
-                # Whoever shares the database could not say that they live either.
+                # Other servers of the database cannot store heartbeats either.
                 self._silent_since = time.monotonic()
                 log.warning("jobs cannot be written down now: %s", error)
             except Exception:
@@ -218,18 +217,18 @@ class JobBook:
         self._tell([job_of(r) for r in under_way if r.owner != self._records.owner])
 
     def _drop(self) -> None:
-        """Remove jobs that could not be begun."""
+        """Remove jobs that failed to start."""
         with self._lock:
             dropped = set(self._dropped)
         if not dropped:
             return
-        # The same call may have come twice at once, and have begun the job the other time.
+        # A concurrent repetition of the same call may have started the job.
         self._records.remove(dropped - {job.id for job in self._runner.known.all()})
         with self._lock:
             self._dropped -= dropped
 
     def _write(self) -> None:
-        """Write down what changed, and that the rest still runs."""
+        """Store changed jobs, and heartbeats of the others."""
         with self._lock:
             changed, self._changed = self._changed, {}
         running = {job.id: job for job in self._runner.known.all() if job.state not in ENDED}
@@ -263,7 +262,7 @@ class JobBook:
             log.info("job %s begins again", record.id)
             result = self._begin[record.request["call"]](replace(job, state="queued", message=""))
         except UnavailableError:
-            raise  # the database or the scheduler is away: at the next look
+            raise  # the database or the scheduler is unavailable: retry later
         except PointbrushError as error:
             self._ended(replace(job, state="failed", error=self._public(str(error))))
         else:
@@ -281,10 +280,10 @@ class JobBook:
         try:
             self._runner.cancel(job_id)
         except (ConflictError, NotFoundError):
-            return  # it has ended meanwhile
+            return  # it has ended
 
     def _tell(self, elsewhere: list[Job]) -> None:
-        """Report the changes of jobs of other servers."""
+        """Notify of changes of other servers' jobs."""
         now = {job.id: job for job in elsewhere}
         for job_id in self._seen.keys() - now.keys():
             record = self._records.find(job_id)
@@ -306,7 +305,7 @@ def job_of(record: JobRecord) -> Job:
 
 
 def record_of(job: Job) -> JobRecord:
-    """Make the record of a job, which is nobody's yet."""
+    """Build the record of a job, without an owner."""
     values = {name: getattr(job, name) for name in _FIELDS}
     request = None if job.request is None else dict(job.request)
     return JobRecord(**values | {"request": request}, author=job.owner)

@@ -1,4 +1,4 @@
-"""Steps of compiling: each runs the loops of one use on small generated recordings."""
+"""Steps of compiling, each of which runs the loops of one feature on small generated recordings."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.work.compiling import Progress, Report, StepName
 
 FRAMES = 5
-"""Frames of a juggler and their pins: seconds of work in which nearly every loop has its turn."""
+"""Frames of a juggler with pins: a few seconds of work that runs nearly every loop."""
 STEADY_SECONDS = 4.0
-"""Work at the expected pace that an estimate has seen before the first loop."""
+"""Weight of the expected pace in the estimate, seconds of work."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class _Frame:
 
 
 def encode() -> None:
-    """Encode a frame as an import does, also as a part of an octree, and build its tree."""
+    """Encode a frame as in an import, also as a part of an octree, and build its tree."""
     made = generate("tabletop", 1, 1).frame(0)
     encode_frame(made, GridChooser()([made]))
     kdtree.build(made.xyz.astype(np.float32))
@@ -101,7 +101,7 @@ def select_object() -> None:
 
 
 def label_by_example() -> None:
-    """Describe a frame, teach two classes of it, and look for doubt."""
+    """Compute features of a frame, train two classes, and predict."""
     made = generate("tabletop", 1, 1).frame(0)
     few = made.xyz[::8].astype(np.float32)
     options = FeatureOptions()
@@ -125,10 +125,10 @@ def _aside(way: float) -> NDArray[np.float64]:
 
 
 def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0) -> None:
-    """Track all that is labelled in the first frame of a recording to its end.
+    """Track all labels of the first frame of a recording to its end.
 
-    ``moved`` metres by which its sensor is said to move from frame to frame; of the label
-    ``leaves`` nothing is seen after the first.
+    ``moved``: motion of the sensor per frame, metres; the label ``leaves`` is visible only in the
+    first frame.
     """
     frames = []
     for n, (made, truth) in enumerate(zip(recording.frames, recording.truth, strict=True)):
@@ -149,24 +149,23 @@ def track_things() -> None:
 
 
 def track_people() -> None:
-    """Track a juggler and pins, also from a sensor that moves, and a person who leaves."""
+    """Track a juggler and pins, also with a moving sensor, and a person that leaves."""
     track(generate("juggling", 1, FRAMES, people=1, pins=3), "auto")
     track(generate("juggling", 1, 2, people=1, pins=3), "auto", moved=0.01)
     track(generate("walking", 1, 2), "auto", leaves=1)
 
 
 def track_by_paper() -> None:
-    """Track a step by the methods of the paper, whose loops are few."""
+    """Track a step by the methods of the paper, which have few loops."""
     for method in METHODS.keys() - {"auto"}:
         track(generate("juggling", 1, 2, people=1, pins=3, label_people=False), method)
 
 
 @dataclass(frozen=True)
 class Step:
-    """Work that compiles loops, those of ``packages`` among them.
+    """Work that compiles loops, including all loops of ``packages``.
 
-    ``seconds``: processor time that it takes on a machine of 2020, where steps before it are done;
-    estimates begin with it.
+    ``seconds``: processor time on a machine of 2020 after the earlier steps, the initial estimate.
     """
 
     run: Callable[[], None]
@@ -185,11 +184,11 @@ RUNS: Mapping[StepName, Step] = {
 
 
 def run_step(name: StepName, report: Report) -> None:
-    """Compile the loops of a step; ``report`` gets its progress, and may end it by an error."""
+    """Compile the loops of a step; ``report`` receives its progress, and may raise to end it."""
     step, begun, share = RUNS[name], time.perf_counter(), 0.0
 
     def tell() -> None:
-        nonlocal share  # modules that are imported late add loops to be compiled
+        nonlocal share  # late imports add loops to compile
         share = max(share, share_compiled(step.packages))
         report(estimate(share, time.perf_counter() - begun, step.seconds))
 
@@ -199,6 +198,6 @@ def run_step(name: StepName, report: Report) -> None:
 
 
 def estimate(share: float, elapsed: float, expected: float) -> Progress:
-    """Return the progress of a step whose ``share`` took ``elapsed`` of ``expected`` seconds."""
+    """Return the progress of a step after a ``share`` took ``elapsed`` of ``expected`` seconds."""
     pace = (elapsed + STEADY_SECONDS) / (share * expected + STEADY_SECONDS)
     return Progress(share, (1 - share) * expected * pace)

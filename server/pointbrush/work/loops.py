@@ -1,4 +1,4 @@
-"""The loops of this machine, compiled beside a server in a process of their own."""
+"""Compiling the loops of this machine in a separate process of a server."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ logger = logging.getLogger(__name__)
 
 
 class Loops:
-    """Has the loops compiled and publishes the progress of each step; thread-safe."""
+    """Compiles the loops and publishes the progress of each step; thread-safe."""
 
     def __init__(self, publish: Callable[[Compiling], None]) -> None:
         self._publish = publish
@@ -36,7 +36,7 @@ class Loops:
         self._closed = threading.Event()
 
     def begin(self) -> None:
-        """Begin to compile, unless that was done or has begun."""
+        """Start to compile, unless it was started or is done."""
         with self._lock:
             if self._thread is not None or are_compiled():
                 return
@@ -45,13 +45,13 @@ class Loops:
             self._thread.start()
 
     def missing(self) -> dict[StepName, Progress]:
-        """Return the steps that are being compiled or wait for it, with their progress."""
+        """Return the steps that are not compiled yet, with their progress."""
         with self._lock:
             return dict(self._missing)
 
     def ensure(self, step: StepName) -> None:
-        """Wait until the loops of a step are compiled; by this process only if no other does."""
-        if step in self._ready:  # a click asks often, and a look at the disk takes its time
+        """Wait until the loops of a step are compiled; compile them if no other process does."""
+        if step in self._ready:  # called for each click, and reading the disk is slow
             return
         while step in self.missing():
             time.sleep(LOOK_SECONDS)
@@ -87,7 +87,7 @@ class Loops:
             pool.shutdown(wait=False, cancel_futures=True)
 
     def _look(self) -> None:
-        """Publish the steps that went on by a hundredth or are done."""
+        """Publish steps that advanced by a hundredth or are done."""
         for step, before in self.missing().items():
             now = progress_of(step)
             if now.share >= 1 or int(100 * now.share) != int(100 * before.share):

@@ -1,4 +1,4 @@
-"""Compile the loops of import, tracking and object selection, once on a machine.
+"""Compile the loops of import, tracking and object selection once per machine.
 
 python -m pointbrush.work.prepare
 """
@@ -22,9 +22,9 @@ from pointbrush.work.compiling import (
 
 
 def ensure_compiled(steps: Iterable[StepName], report: Report = lambda _: None) -> None:
-    """Have the loops of some steps compiled, in order, by this process or another, and wait.
+    """Wait until the loops of some steps are compiled, in order, by this process or another.
 
-    Raises the errors of ``report``; then another process can go on.
+    Raises the errors of ``report``; another process can then continue.
     """
     for step in steps:
         while not are_compiled([step]):
@@ -34,7 +34,7 @@ def ensure_compiled(steps: Iterable[StepName], report: Report = lambda _: None) 
 
 
 def _compile(step: StepName, report: Report) -> bool:
-    """Compile the loops of a step unless another process does, which returns False."""
+    """Compile the loops of a step; return False if another process compiles it."""
     with hold(step) as note:
         if note is None:
             return False

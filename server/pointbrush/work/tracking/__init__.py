@@ -1,4 +1,4 @@
-"""Tracking runs as jobs, and how their findings reach the label store."""
+"""Tracking runs as jobs, and the commit of their results."""
 
 TRACK = "track"
-"""Of a job's request: a tracking run."""
+"""Call in the request of a tracking job."""

@@ -1,4 +1,4 @@
-"""A tracking run: seeds out of the label store, a method in a worker, one edit back in."""
+"""A tracking run: seeds from the label store, a method in a worker, results as one edit."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ from pointbrush.work.tracking.sensor import sensor_of
 from pointbrush.worker import Channel
 
 LOOPS: tuple[StepName, ...] = ("things",)
-"""Steps of compiling that a run waits for; the few further loops of people are compiled as met."""
+"""Steps of compiling that a run waits for; the few other loops are compiled at first use."""
 LEAD = 20
-"""Frames before a run's start that a method may learn from."""
+"""Limit of frames before a run's start that a method may use as examples."""
 UNSURE = 0.5
-"""Below this confidence a person should look."""
+"""Confidence below which a frame needs a review."""
 NOTHING = {"edit": None, "changed": 0, "frames": 0}
-"""Report of a run that found nothing, or was told to drop it."""
+"""Report of a run without results, or with discarded results."""
 OVERWRITE: dict[str, Only] = {"never": "unlabeled", "tracked": "not_painted", "all": "any"}
 
 
 @dataclass(frozen=True)
 class TrackingWork:
-    """Picklable run; hands each FrameResult over as an item."""
+    """Picklable run that sends each FrameResult as an item."""
 
     files: RecordingFiles
     database: str = field(repr=False)  # may hold a password
@@ -54,9 +54,9 @@ class TrackingWork:
     locked: frozenset[int]
 
     def __call__(self, channel: Channel) -> None:
-        """Track frame by frame from ``start`` to ``stop``, either way."""
+        """Track frame by frame from ``start`` to ``stop``, in either direction."""
         chosen = self.chosen
-        if chosen.method == "auto":  # the others have few loops, which are compiled as they are met
+        if chosen.method == "auto":  # other methods have few loops
             ensure_compiled(LOOPS, lambda now: channel.progress(0.0, preparation(now)))
         recording = open_sequence(self.files)
         store = LabelStore(self.database)
@@ -74,7 +74,7 @@ class TrackingWork:
                 read_ahead=ahead,
                 **{name: value for name, value in asdict(chosen).items() if name in known},
             )
-            if chosen.method == "auto":  # the others ask nothing of the sensor
+            if chosen.method == "auto":  # other methods do not use the sensor
                 options = replace(options, sensor=sensor_of(recording))
             results = METHODS[chosen.method]().track(
                 recording.__getitem__,
@@ -95,7 +95,7 @@ class TrackingWork:
 
 @dataclass(frozen=True)
 class Knowledge:
-    """Labels that people have already given a frame, in stored order."""
+    """Existing labels of a frame, in stored order."""
 
     store: LabelStore
     recording: Sequence
@@ -107,19 +107,19 @@ class Knowledge:
 
 
 def wants_look(found: FrameResult) -> bool:
-    """Whether some label of a frame is lost, or found with little confidence."""
+    """Return whether a label of a frame is lost, or found with low confidence."""
     return any(map(doubtful, found.tracks.values()))
 
 
 def doubtful(track: TrackState) -> bool:
-    """Whether a label is lost in a frame, or found with little confidence."""
+    """Return whether a label is lost in a frame, or found with low confidence."""
     if track.state == "lost":
         return True
     return track.state == "tracked" and track.points > 0 and track.confidence < UNSURE
 
 
 def frame_order(start: int, stop: int) -> list[int]:
-    """Frames from ``start`` to ``stop``, both included, forward or backward."""
+    """Return frames from ``start`` to ``stop``, both included, forward or backward."""
     return list(range(start, stop + 1) if stop >= start else range(start, stop - 1, -1))
 
 
@@ -129,10 +129,10 @@ def lead(
     order: list[int],
     frames: int,
 ) -> tuple[int, ...]:
-    """Frames before a run's start, farthest first, that show what its ``labels`` look like.
+    """Return frames before a run's start with examples of its ``labels``, farthest first.
 
-    Back to where all of them are painted, as far as they are labelled, LEAD frames at most.
-    ``counts`` (frame, label) → points, and painted ones among them.
+    They are consecutive labelled frames back to one in which all labels are painted, at most LEAD.
+    ``counts``: number of points and of painted points by (frame, label).
     """
     step = -1 if order[-1] > order[0] else 1
     found: list[int] = []
@@ -149,7 +149,7 @@ def lead(
 def prepare(
     store: LabelStore, recording: Sequence, labels: list[int] | None, start: int, stop: int
 ) -> tuple[Seed, ...]:
-    """The points of each label in the start frame; all unlocked labels there when None.
+    """Return the points of each label in the start frame; None: all unlocked labels there.
 
     Raises NotFoundError (frame, label), LockedLabelError, BadInputError (no points, no range).
     """
@@ -186,7 +186,7 @@ def require_method(method: str) -> None:
 
 
 def load_default_method() -> None:
-    """Import the modules that a run needs: a worker's first run would wait for them."""
+    """Import the modules of a run in advance, to speed up a worker's first run."""
     METHODS["auto"]()
 
 
@@ -198,29 +198,29 @@ def preparation(progress: Progress) -> str:
 
 @dataclass
 class PendingEdit:
-    """Findings of a run so far, in the server's process; they become one edit."""
+    """Results of a run in the server's process, before their commit as one edit."""
 
     store: LabelStore
     sequence: str
     identity: str
-    """Of the import: a recording of the same id that came since is not written to."""
+    """Identity of the import, so that a later recording with the same id is not changed."""
     start: int
     labels: tuple[int, ...]
     overwrite: str
     results: list[FrameResult] = field(default_factory=list)
 
     def commit(self, edit: str, author: str, summary: str) -> dict[str, Any]:
-        """Write everything as one edit, merging with what people did meanwhile.
+        """Commit the results as one edit, merged with people's edits during the run.
 
-        A label that was deleted or locked since the run began is left out, which the result's
-        ``left_out`` says: label → "deleted" or "locked".
+        Labels deleted or locked since the start of the run are left out; the result's ``left_out``
+        has the reason by label, "deleted" or "locked".
         """
         left_out = self._left_out()
         while True:
             try:
                 return self._commit(edit, author, summary, left_out) | {"left_out": left_out}
             except (NotFoundError, LockedLabelError):
-                # Somebody may have changed the palette between the look and the commit.
+                # The palette may have changed between the check and the commit.
                 before, left_out = left_out, self._left_out()
                 if left_out == before:
                     raise
@@ -267,7 +267,7 @@ class PendingEdit:
             if found.frame == self.start:
                 continue
             numbers, label = flat(found)
-            # What an earlier run gave these labels here and this one did not find goes.
+            # Points that an earlier run labelled and this run did not find lose these labels.
             values = self.store.values(self.sequence, found.frame)
             stale = np.isin(values.label, tracked) & (values.provenance == TRACKED)
             stale[numbers] = False
@@ -300,7 +300,7 @@ class PendingEdit:
 
 
 def _without(found: FrameResult, left_out: Container[int]) -> FrameResult:
-    """A result without some labels."""
+    """Return a result without some labels."""
     return replace(
         found,
         assignments={n: at for n, at in found.assignments.items() if n not in left_out},
@@ -309,7 +309,7 @@ def _without(found: FrameResult, left_out: Container[int]) -> FrameResult:
 
 
 def flat(found: FrameResult) -> tuple[NDArray[np.int64], NDArray[np.uint16]]:
-    """Point numbers, sorted, and their labels, of all labels of one result."""
+    """Return sorted point numbers and their labels, for all labels of a result."""
     if not found.assignments:
         return np.empty(0, np.int64), np.empty(0, np.uint16)
     numbers = np.concatenate([np.asarray(n, np.int64) for n in found.assignments.values()])

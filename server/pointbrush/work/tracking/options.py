@@ -1,4 +1,4 @@
-"""A person's choices for a tracking run; wire, REST, flags and job options derive from them."""
+"""Options of a tracking run, from which wire, REST, flags and job options are derived."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ Overwrite = Literal["never", "tracked", "all"]
 
 @dataclass
 class RunOptions:
-    """Choices for one run, each with its help.
+    """Options of a run, with help texts.
 
-    Fields that ``TrackOptions`` has, too, are passed to the method.  Raises BadInputError.
+    Fields shared with ``TrackOptions`` are passed to the method.  Raises BadInputError.
     """
 
     method: str = choice(
@@ -37,5 +37,5 @@ class RunOptions:
 
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
-        """Return the choices as ``source``'s attributes have them, by name."""
+        """Return the options by name from attributes of ``source``."""
         return chosen(cls, source)

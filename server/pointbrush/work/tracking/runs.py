@@ -1,4 +1,4 @@
-"""Tracking runs as jobs: what they find is shown as it comes, and becomes one edit at the end."""
+"""Tracking runs as jobs, with provisional results and a commit as one edit."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from pointbrush.work.tracking.job import doubtful
 from pointbrush.work.tracking.options import RunOptions
 
 BESIDE = ("method", "stop_unsure")
-"""Options that a job's record keeps beside the others."""
+"""Options stored at the top level of a job's record."""
 MOST_NAMED = 4
-"""Labels that are told of one by one; of those beyond only their number."""
+"""Limit of labels listed in a message; further labels are only counted."""
 
 
 @dataclass(frozen=True)
 class TrackRequest:
-    """Carry ``labels``, all in frame ``start`` when None, to frame ``stop``; either way."""
+    """Request to track ``labels`` (None: all in ``start``), forward or backward to ``stop``."""
 
     start: int
     stop: int
@@ -35,20 +35,20 @@ class TrackRequest:
     options: RunOptions
 
     def as_json(self) -> dict[str, Any]:
-        """Return the record a job keeps, to be begun again by ``Runs.again``."""
+        """Return the record from which ``Runs.again`` can restart a job."""
         kept = asdict(self)
         beside = {name: kept["options"].pop(name) for name in BESIDE}
         return {"call": TRACK} | kept | beside
 
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> TrackRequest:
-        """Return the request that ``as_json`` made ``fields`` of."""
+        """Return the request for ``fields`` of ``as_json``."""
         options = RunOptions(**fields["options"], **{name: fields[name] for name in BESIDE})
         return cls(fields["start"], fields["stop"], fields["labels"], options)
 
 
 class Runs:
-    """Starts tracking runs and takes in what they find; thread-safe."""
+    """Starts tracking runs and commits their results; thread-safe."""
 
     def __init__(
         self,
@@ -59,17 +59,17 @@ class Runs:
         publish: Callable[[Event], None],
         database_url: str,
     ) -> None:
-        """``recording``: opens the recording of an id."""
+        """``recording``: opens a recording by its id."""
         self._store, self._recording, self._runner, self._jobs = store, recording, runner, jobs
         self._publish, self._database_url = publish, database_url
         self._kept: set[str] = set()
 
     def expect(self) -> None:
-        """Have a worker process made ready for a run, unless jobs have begun one already."""
+        """Prepare a worker process for a run, unless one is already running."""
         self._runner.make_ready(tracking.load_default_method)
 
     def keep(self, job_id: str) -> None:
-        """The findings of a run are to be committed also when it is cancelled."""
+        """Mark a run so that its results are committed even if it is cancelled."""
         self._kept.add(job_id)
 
     def start(
@@ -83,10 +83,10 @@ class Runs:
         edit: str | None = None,
         **chosen: Any,
     ) -> Job:
-        """Carry labels from frame ``start`` to ``stop`` (included; either way), in a job.
+        """Track labels from frame ``start`` to ``stop`` (included; either direction), in a job.
 
-        ``chosen``: fields of ``RunOptions``.  ``edit``: the id of its edit and of its job; of a
-        run that ``author`` has begun before, that job is returned.
+        ``chosen``: fields of ``RunOptions``.  ``edit``: id of the edit and the job; if ``author``
+        has already started a job with this id, it is returned.
         """
         request = TrackRequest(start, stop, labels, RunOptions(**chosen))
         recording, kept = self._recording(sequence), request.as_json()
@@ -98,9 +98,9 @@ class Runs:
         return self._jobs.begin_once(edit, author, begin)
 
     def again(self, job: Job) -> dict[str, Any] | None:
-        """Begin a run again that another server has left; return its result if it was done.
+        """Restart a run of an ended server; return its result if it was already committed.
 
-        Raises what ``start`` raises.
+        Raises the errors of ``start``.
         """
         recording = self._recording(job.sequence or "")
         made = self._store.find(recording.manifest.id, job.edit or job.id)
@@ -166,7 +166,7 @@ class Runs:
 
 
 def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dict[str, Any]:
-    """A run's result with ``outcome``, in which labels that it left out have names and reasons."""
+    """Return a run's result with ``outcome``, and with names and reasons of left-out labels."""
     left_out: Mapping[int, str] = result["left_out"]
     if not left_out:
         return result | {"left_out": [], MESSAGE: outcome}
@@ -180,9 +180,10 @@ def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dic
 
 
 def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]) -> str:
-    """Return in how many frames each label was found, and in how many that is doubtful.
+    """Return a summary of the numbers of found and doubtful frames by label.
 
-    As "pin 1: 29 frames, 7 doubtful; pin 2: 29 frames"; ``start``, which was painted, is left out.
+    Example: "pin 1: 29 frames, 7 doubtful; pin 2: 29 frames".  The painted frame ``start`` is
+    excluded.
     """
     found: dict[int, int] = {}
     doubts: dict[int, int] = {}

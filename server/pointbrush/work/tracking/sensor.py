@@ -1,4 +1,4 @@
-"""Facts about a recording's sensor, kept in its folder from the first run over it on."""
+"""Properties of a recording's sensor, cached in its folder by the first run."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from pointbrush.tracking.sensors.examination import examine
 log = logging.getLogger(__name__)
 
 VERSION = 1
-"""Of the examination: what another version kept is found anew."""
+"""Version of the examination; results of other versions are recomputed."""
 
 
 def sensor_of(recording: Sequence) -> KnownSensor:
-    """Return the facts that are kept, or find and keep them.
+    """Return the cached properties, or determine and cache them.
 
-    They can be found again: a damaged file is replaced, a folder that cannot be written keeps none.
+    A damaged file is replaced; in a read-only folder nothing is cached.
     """
     path = recording.path / SENSOR
     key = {"version": VERSION, "identity": recording.identity}
