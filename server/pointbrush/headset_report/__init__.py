@@ -1,1 +1,1 @@
-"""Reports of "Check this headset": what a headset was found to do, as a file and in words."""
+"""Reports of "Check this headset": the tested features of a headset, as a file and as text."""

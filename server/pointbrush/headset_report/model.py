@@ -1,4 +1,4 @@
-"""The file that "Check this headset" ends in: one definition for the page and the command.
+"""The result file of "Check this headset": one definition for the page and the command.
 
 ``pointbrush.streaming.typescript`` writes the page's types from it.
 """
@@ -17,34 +17,34 @@ Finite = Annotated[float, Field(allow_inf_nan=False)]
 Count = Annotated[int, Field(ge=0)]
 
 LARGEST = 1 << 20
-"""Bytes of a file; a report has a few thousand."""
+"""Limit of a file, bytes; a report has a few thousand."""
 
 
 class Part(BaseModel):
-    """Base: unknown fields are refused, types are not coerced."""
+    """Base class: unknown fields are rejected, types are not coerced."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
 class HeadsetFeature(Part):
-    """A feature that was asked for; ``granted`` is null where the browser does not tell."""
+    """A requested feature; ``granted`` is null if the browser does not report it."""
 
     name: str
     granted: bool | None
 
 
 class HeadsetSpace(Part):
-    """A reference space, and whether the session gives it."""
+    """A reference space, and whether the session provides it."""
 
     name: str
     given: bool
 
 
 class HeadsetInput(Part):
-    """An input source, with what was seen of it.
+    """An input source and its observed properties.
 
-    ``kind`` and ``layout`` are what the page took it for, empty where it knows none; ``pressed``
-    and ``leaned`` are numbers of buttons and axes; ``joints`` is null without a hand.
+    ``kind`` and ``layout`` are the page's classification, empty if unknown; ``pressed`` and
+    ``leaned`` are numbers of used buttons and axes; ``joints`` is null without a hand.
     """
 
     side: Literal["left", "right", "none"]
@@ -63,9 +63,9 @@ class HeadsetInput(Part):
 class HeadsetPictures(Part):
     """Times between pictures while the recording played.
 
-    ``told`` is the display's rate as the browser tells it, ``offered`` the rates that it can be
-    asked for, ``found`` the rate that the times show; a picture is ``late`` when it misses a
-    refresh, of the rate that is told if there is one.
+    ``told`` is the display rate reported by the browser, ``offered`` the available rates, ``found``
+    the measured rate; a picture is ``late`` if it misses a refresh at the reported rate, or else
+    the measured one.
     """
 
     told: Finite | None
@@ -78,7 +78,7 @@ class HeadsetPictures(Part):
 
 
 class HeadsetLayer(Part):
-    """The layer that is drawn into; ``foveation`` is null where the browser has none."""
+    """The layer to draw to; ``foveation`` is null if the browser has none."""
 
     kind: Literal["projection", "webgl"]
     width: Count
@@ -90,7 +90,7 @@ class HeadsetLayer(Part):
 
 
 class HeadsetSession(Part):
-    """A session as it began; ``floor``: its space knows where the floor is."""
+    """The initial state of a session; ``floor``: its space has the height of the floor."""
 
     mode: str
     blend: str
@@ -101,7 +101,7 @@ class HeadsetSession(Part):
 
 
 class HeadsetTask(Part):
-    """A thing to do; ``by_buttons``: a button or pad of a controller did it, not a panel."""
+    """A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel."""
 
     name: Literal["play", "felt", "paint", "erase", "label", "undo", "step", "go"]
     verdict: Verdict
@@ -109,7 +109,7 @@ class HeadsetTask(Part):
 
 
 class HeadsetReport(Part):
-    """The whole file; ``trouble`` is why no session began, ``session`` null as long as none did."""
+    """The whole file; ``trouble``: why no session started; ``session``: null without a session."""
 
     format: Literal["pointbrush headset report"]
     version: Literal[1]
@@ -124,7 +124,7 @@ class HeadsetReport(Part):
 
 
 def read_report(path: Path) -> HeadsetReport:
-    """Read a report; raises BadInputError for a file that is something else."""
+    """Read a report; raises BadInputError for any other file."""
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)

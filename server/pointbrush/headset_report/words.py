@@ -1,4 +1,4 @@
-"""A headset report in words: a line for each thing, which works, fails or is unknown."""
+"""A headset report as text: a line for each feature, which works, fails or is unknown."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from pointbrush.headset_report.model import (
 from pointbrush.names import spelled_out
 
 FEWEST_PICTURES = 60
-"""From fewer nothing can be said of their times."""
+"""Minimum number of pictures to judge their times."""
 MOST_LATE = 0.05
-"""Share of late pictures that nobody minds."""
+"""Acceptable share of late pictures."""
 WHOLE_HAND = 25
-"""Joints of a hand that is seen."""
+"""Number of joints of a tracked hand."""
 TASKS = {
     "play": "play the recording",
     "felt": "pulses that are felt",
@@ -35,7 +35,7 @@ TASKS = {
 
 
 class Line(NamedTuple):
-    """A thing that a headset should do, whether it does, and what was seen."""
+    """A feature of a headset, its verdict, and details."""
 
     verdict: Verdict
     what: str
@@ -43,7 +43,7 @@ class Line(NamedTuple):
 
 
 def report_lines(report: HeadsetReport) -> list[str]:
-    """Put a report in words, the sum of it last."""
+    """Return a report as lines of text, with totals in the last line."""
     lines = list(findings(report))
     count = Counter(line.verdict for line in lines)
     total = ", ".join(f"{verdict} {count[verdict]}" for verdict in get_args(Verdict))
@@ -59,7 +59,7 @@ def report_lines(report: HeadsetReport) -> list[str]:
 
 
 def findings(report: HeadsetReport) -> Iterator[Line]:
-    """Judge each thing of a report."""
+    """Yield the verdict on each feature of a report."""
     yield _session(report)
     if report.session:
         yield from _parts(report.session)

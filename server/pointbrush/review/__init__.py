@@ -1,4 +1,4 @@
-"""The review panel: labels, the tracker's doubts and how it found them, in a viser page.
+"""The review panel: labels, doubtful tracks and their explanation, in a viser page.
 
 ``pointbrush.review.open(workspace, sequence)`` opens one from a notebook or a script.
 """

@@ -1,4 +1,4 @@
-"""Draw into a viser page: labelled points, the steps by which a label was found, plots."""
+"""Drawing in a viser page: labelled points, the steps of tracking a label, and plots."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from pointbrush.tracking.compute.rigid import IcpStep
 from pointbrush.tracking.explanation import Explanation
 
 PLAIN = 160
-"""Grey of points without colour of their own."""
+"""Grey of points without a colour."""
 F64 = NDArray[np.float64]
 Colors = NDArray[np.uint8]
 ROOT = "/steps"
@@ -24,9 +24,9 @@ PREDICTED, TRIED, TAKEN = (90, 170, 255), (255, 180, 60), (80, 220, 120)
 STATIC, MOVING, LINK = (95, 95, 105), (255, 120, 200), (255, 210, 90)
 NEAR, FAR = np.array([40, 200, 120.0]), np.array([255, 60, 60.0])
 FAR_RESIDUAL = 0.05
-"""Metres from which a residual is drawn as far off."""
+"""Residual with the colour FAR, metres."""
 PAIRS = 400
-"""Pairs of an iteration that are drawn."""
+"""Limit of drawn pairs of an iteration."""
 STEPS = ("Predicted poses", "Hypotheses", "Registered surface", "Background", "Claims")
 Curves = tuple[NDArray[np.float64], ...]
 WIDTH = 2.0
@@ -34,7 +34,7 @@ ASPECT = 2.2
 
 
 def lookup(palette: Iterable[Label]) -> NDArray[np.uint8]:
-    """Label colours (65536, 3) by label id."""
+    """Return label colours (65536, 3) by label id."""
     table = np.full((65_536, 3), PLAIN, np.uint8)
     for label in palette:
         table[label.id] = tuple(bytes.fromhex(label.color[1:]))
@@ -47,7 +47,7 @@ def blend(
     colors: NDArray[np.uint8],
     share: float,
 ) -> NDArray[np.uint8]:
-    """Colours (N, 3): ``share`` 0..1 of the label's colour on labelled points (N,)."""
+    """Return colours (N, 3) with a ``share`` 0..1 of the label's colour on labelled points (N,)."""
     base = np.full((len(label), 3), PLAIN, np.uint8) if rgb is None else rgb.copy()
     labeled = label > 0
     mixed = (1 - share) * base[labeled] + share * colors[label[labeled]]
@@ -57,14 +57,14 @@ def blend(
 
 @dataclass(frozen=True)
 class Drawing:
-    """A ``scene`` whose coordinates are the room's: ``room`` is ``T_room_local`` (4, 4)."""
+    """A ``scene`` in room coordinates; ``room`` is ``T_room_local`` (4, 4)."""
 
     scene: viser.SceneApi
     room: F64
     point_size: float
 
     def clear(self) -> None:
-        """Take everything away."""
+        """Remove all objects."""
         self.scene.remove_by_name(ROOT)
 
     def explanation(
@@ -97,7 +97,7 @@ class Drawing:
         self._lines("pairs", pairs, LINK)
 
     def trails(self, paths: Sequence[tuple[F64, Colors]]) -> None:
-        """Draw ways (F, 3) of labels, each in a colour (3,)."""
+        """Draw paths (F, 3) of labels, each in a colour (3,)."""
         self.scene.remove_by_name("/trails")
         for number, (path, color) in enumerate(paths):
             if len(path) > 1:
@@ -150,7 +150,7 @@ class Drawing:
 
 
 def told(found: Explanation) -> str:
-    """Describe a frame's verdict and what it rests on, as Markdown."""
+    """Return a description of a frame's result and its evidence, as Markdown."""
     track = found.track
     lines = [
         f"**{track.state}**, confidence {track.confidence:.2f}, {track.points:,} points, "
@@ -172,7 +172,7 @@ def told(found: Explanation) -> str:
 def curves(
     tracks: Sequence[Mapping[str, Any]], palette: Sequence[Label], frames: int, key: str
 ) -> Curves:
-    """Frame numbers (F,), and a value (F,) a frame for each label; NaN where there is none."""
+    """Return frame numbers (F,), and values per frame (F,) for each label; NaN: no value."""
     values = {label.id: np.full(frames, np.nan) for label in palette}
     for track in tracks:
         if track["label"] in values and 0 <= track["frame"] < frames:

@@ -1,4 +1,4 @@
-"""Tracking a label once more to see how it is found; nothing is written."""
+"""Explaining how a label is tracked, by a run that writes nothing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class ExplainRequest:
 
 @dataclass
 class Explaining:
-    """A run in a thread; ``frames`` and ``iterations`` fill while it goes on."""
+    """A run in a thread, which fills ``frames`` and ``iterations``."""
 
     workspace: Workspace
     sequence: str
@@ -38,7 +38,7 @@ class Explaining:
     error: str = ""
 
     def __post_init__(self) -> None:
-        """Check what is asked, and begin; raises NotFoundError, BadInputError."""
+        """Check the request and start the run; raises NotFoundError, BadInputError."""
         request = self.request
         recording = self.workspace.recording(self.sequence)
         self._seeds = prepare(
@@ -65,7 +65,7 @@ class Explaining:
         known = Knowledge(self.workspace.labels, recording)
         options = TrackOptions(continue_lost=True)
         try:
-            if request.method == "auto":  # as a run does that is not explained
+            if request.method == "auto":  # as in an ordinary run
                 options = replace(options, sensor=sensor_of(recording))
             frames = recording.__getitem__
             for _ in self._method.track(frames, order, self._seeds, known, options):
@@ -88,7 +88,7 @@ class Explaining:
 def first_frame(workspace: Workspace, sequence: str, label: int) -> int:
     """Return the first frame where a label was painted, else the first where it has points.
 
-    Raises BadInputError where it has none.
+    Raises BadInputError if it has none.
     """
     counts = workspace.labels.counts(sequence)
     frames = sorted(frame for frame, number in counts if number == label)

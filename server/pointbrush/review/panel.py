@@ -1,4 +1,4 @@
-"""A viser page on one sequence: frames, labels, doubts, plots, and how a label was found."""
+"""A viser page on one sequence: frames, labels, doubtful tracks, plots, and explanations."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ POINT_SIZE = 0.006
 AUTHOR = "review"
 SHOWN_FIRST = STEPS[:3]
 NEARBY = 1.2
-"""Metres from an explained label at which one looks at it first."""
+"""Initial distance of the camera from an explained label, metres."""
 OVERVIEW = 2.0
-"""Median distances of the points from their middle at which one looks at a frame first."""
+"""Initial distance of the camera from a frame, in median distances of points from the centre."""
 FROM = np.array([0.0, 0.35, 0.94])
-"""The way from what one looks at to the eye, unit length, y up."""
+"""Direction from the target to the camera, unit length, y up."""
 
 
 def doubtful_frames(tracks: Sequence[Mapping[str, Any]]) -> list[int]:
-    """Frames, ascending, in which a label was lost, occluded or tracked with little confidence."""
+    """Return frames, ascending, with a label lost, occluded or tracked with low confidence."""
     return sorted({int(track["frame"]) for track in tracks if is_doubtful(track)})
 
 
 class ReviewPanel:
-    """The page; ``close`` stops it."""
+    """The panel's server; ``close`` stops it."""
 
     def __init__(
         self,
@@ -50,7 +50,7 @@ class ReviewPanel:
         explain: int | None = None,
         method: str = "auto",
     ) -> None:
-        """Serve on ``host``:``port``; with ``explain``, how that label is found by ``method``.
+        """Serve on ``host``:``port``; ``explain``: a label to track by ``method`` and explain.
 
         Raises NotFoundError for an unknown sequence or label, BadInputError for a label that has
         no points.
@@ -73,7 +73,7 @@ class ReviewPanel:
         self._unsubscribe = workspace.subscribe(self._on_event)
         self.show()
 
-    # ── what it consists of ──────────────────────────────────────────────────────────────
+    # ── controls ────────────────────────────────────────────────────────────────────────
 
     def _explain(self, label: int | None, method: str) -> Explaining | None:
         if label is None:
@@ -141,16 +141,16 @@ class ReviewPanel:
                 self._iteration.on_update(lambda _: self.show())
             self._verdict = gui.add_markdown("")
 
-    # ── what it does ─────────────────────────────────────────────────────────────────────
+    # ── actions ──────────────────────────────────────────────────────────────────────────
 
     @property
     def port(self) -> int:
-        """Its address."""
+        """Return the port of the page."""
         return int(self._server.get_port())
 
     @property
     def frame(self) -> int:
-        """The frame that is shown."""
+        """Return the shown frame."""
         return min(int(self._frame.value), len(self._recording) - 1)
 
     def show(self) -> None:
@@ -190,7 +190,7 @@ class ReviewPanel:
     def _paths(
         self, tracks: Sequence[Mapping[str, Any]], colors: NDArray[np.uint8]
     ) -> list[tuple[NDArray[np.float64], NDArray[np.uint8]]]:
-        """Ways of the labels' middles, by the poses since the frame they were painted in."""
+        """Return paths of the labels' centres by the poses since their painted frame."""
         ways: dict[int, list[tuple[int, Any]]] = {}
         for track in tracks:
             if track["state"] in ("tracked", "painted"):
@@ -236,7 +236,7 @@ class ReviewPanel:
         self._verdict.content = told(found)
 
     def _aim(self, client: viser.ClientHandle) -> None:
-        """Look at the explained label, else at the middle of the frame, from in front."""
+        """Aim the camera at the explained label, or else the frame's centre, from the front."""
         running = self._explaining
         found = None if running is None else running.frames.get(self.frame)
         xyz = np.asarray(self._recording[self.frame].xyz, np.float64)
@@ -256,7 +256,7 @@ class ReviewPanel:
         client.camera.position, client.camera.look_at = at + away * way, at
 
     def judge(self, *, accept: bool) -> None:
-        """Accept what tracking found of the chosen label in the chosen frames, or reject it."""
+        """Accept or reject the tracked points of the chosen label in the chosen frames."""
         label = int(str(self._judged.value).split(" ", 1)[0])
         low, high = sorted((int(self._from.value), int(self._to.value)))
         verdict: Verdict = "accept" if accept else "reject"
@@ -278,22 +278,22 @@ class ReviewPanel:
 
     def go_to(self, frame: int) -> None:
         """Show ``frame``."""
-        slider: Any = self._frame  # viser types the value as read-only, and documents setting it
+        slider: Any = self._frame  # viser declares the value as read-only, but documents setting it
         slider.value = frame
 
     def explained(self) -> None:
-        """Wait until the label to explain was followed to the end, and show it."""
+        """Wait until the explained label is tracked to the end, and show it."""
         if self._explaining is not None:
             self._explaining.wait()
             self.show()
 
     def own(self, workspace: Workspace) -> ReviewPanel:
-        """Close a workspace with the panel."""
+        """Close a workspace together with the panel."""
         self._owned.append(workspace)
         return self
 
     def close(self) -> None:
-        """Stop serving."""
+        """Stop the server."""
         self._unsubscribe()
         if self._explaining is not None:
             self._explaining.close()

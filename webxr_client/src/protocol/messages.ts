@@ -562,17 +562,17 @@ export interface Welcome {
   account: string;
 }
 
-/** A feature that was asked for; ``granted`` is null where the browser does not tell. */
+/** A requested feature; ``granted`` is null if the browser does not report it. */
 export interface HeadsetFeature {
   name: string;
   granted: boolean | null;
 }
 
 /**
- * An input source, with what was seen of it.
+ * An input source and its observed properties.
  *
- * ``kind`` and ``layout`` are what the page took it for, empty where it knows none; ``pressed``
- * and ``leaned`` are numbers of buttons and axes; ``joints`` is null without a hand.
+ * ``kind`` and ``layout`` are the page's classification, empty if unknown; ``pressed`` and
+ * ``leaned`` are numbers of used buttons and axes; ``joints`` is null without a hand.
  */
 export interface HeadsetInput {
   side: 'left' | 'right' | 'none';
@@ -588,7 +588,7 @@ export interface HeadsetInput {
   pulses: 'hapticActuators' | 'vibrationActuator' | 'none';
 }
 
-/** The layer that is drawn into; ``foveation`` is null where the browser has none. */
+/** The layer to draw to; ``foveation`` is null if the browser has none. */
 export interface HeadsetLayer {
   kind: 'projection' | 'webgl';
   width: number;
@@ -602,9 +602,9 @@ export interface HeadsetLayer {
 /**
  * Times between pictures while the recording played.
  *
- * ``told`` is the display's rate as the browser tells it, ``offered`` the rates that it can be
- * asked for, ``found`` the rate that the times show; a picture is ``late`` when it misses a
- * refresh, of the rate that is told if there is one.
+ * ``told`` is the display rate reported by the browser, ``offered`` the available rates, ``found``
+ * the measured rate; a picture is ``late`` if it misses a refresh at the reported rate, or else
+ * the measured one.
  */
 export interface HeadsetPictures {
   told: number | null;
@@ -616,7 +616,7 @@ export interface HeadsetPictures {
   late: number;
 }
 
-/** The whole file; ``trouble`` is why no session began, ``session`` null as long as none did. */
+/** The whole file; ``trouble``: why no session started; ``session``: null without a session. */
 export interface HeadsetReport {
   format: 'pointbrush headset report';
   version: 1;
@@ -630,7 +630,7 @@ export interface HeadsetReport {
   tasks: HeadsetTask[];
 }
 
-/** A session as it began; ``floor``: its space knows where the floor is. */
+/** The initial state of a session; ``floor``: its space has the height of the floor. */
 export interface HeadsetSession {
   mode: string;
   blend: string;
@@ -640,13 +640,13 @@ export interface HeadsetSession {
   layer: HeadsetLayer;
 }
 
-/** A reference space, and whether the session gives it. */
+/** A reference space, and whether the session provides it. */
 export interface HeadsetSpace {
   name: string;
   given: boolean;
 }
 
-/** A thing to do; ``by_buttons``: a button or pad of a controller did it, not a panel. */
+/** A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel. */
 export interface HeadsetTask {
   name: 'play' | 'felt' | 'paint' | 'erase' | 'label' | 'undo' | 'step' | 'go';
   verdict: 'works' | 'fails' | 'unknown';
