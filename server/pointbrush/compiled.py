@@ -1,7 +1,7 @@
-"""Loops over points that NumPy has no call for, compiled by Numba when they are first run.
+"""Loops over points without a NumPy function, compiled by Numba at their first run.
 
-What was compiled is kept beside the modules, in the user's cache where those cannot be written, or
-where ``NUMBA_CACHE_DIR`` says, so that it is done once on a machine.
+Compiled loops are cached beside the modules, in the user's cache if their folder is read-only, or
+in ``NUMBA_CACHE_DIR``, so that each machine compiles them once.
 """
 
 from __future__ import annotations
@@ -18,30 +18,30 @@ logger = logging.getLogger(__name__)
 P = ParamSpec("P")
 R = TypeVar("R")
 _made: list[Any] = []
-"""The loops of the modules that were imported: Numba's dispatchers."""
+"""The loops of the imported modules, as Numba's dispatchers."""
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """The same function, compiled for the types that it is called with.
+    """Return the function compiled for the types of its arguments.
 
-    Without the liberties that some compilers take with floating point: the same input gives the
-    same labels.  A division by zero gives what NumPy gives.  Other threads run meanwhile.
+    Fast-math is off, so that equal input gives equal labels.  Division by zero behaves as in NumPy.
+    The compiled function releases the GIL.
     """
     return _compiled(function)
 
 
 def innermost(function: Callable[P, R]) -> Callable[P, R]:
-    """The same for what a compiled loop calls for every point: it makes and keeps no array.
+    """Return a compiled function for calls by a loop at every point; it may not create arrays.
 
-    Without counting references to the arrays that it is given, which its caller holds: counting
-    them, by atomic instructions, takes longer than looking through a few points.
+    It does not count references to its arrays, which the caller holds: atomic counting would take
+    longer than a pass over a few points.
     """
     return _compiled(function, _nrt=False)
 
 
 @contextmanager
 def each_compiled(call: Callable[[], None]) -> Iterator[None]:
-    """Call ``call`` after each function that is compiled in the block; its errors end the block."""
+    """Call ``call`` after each function compiled in the block; an error in it ends the block."""
 
     class Each(event.Listener):
         def on_start(self, event: object) -> None:
@@ -64,7 +64,7 @@ def _compiled(function: Callable[P, R], **options: bool) -> Callable[P, R]:
     njit = cast(Callable[..., Any], numba.njit)
     try:
         made = njit(cache=True, nogil=True, error_model="numpy", **options)(function)
-    except RuntimeError:  # no place to keep it
+    except RuntimeError:  # no writable cache folder
         logger.info("%s will be compiled by each process anew", function.__name__)
         made = njit(nogil=True, error_model="numpy", **options)(function)
     _made.append(made)

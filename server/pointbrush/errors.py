@@ -1,30 +1,30 @@
-"""The errors pointbrush raises on purpose.
+"""The errors that pointbrush raises on purpose.
 
-Every message says what was expected and what came.  Nothing here knows HTTP or sockets: the
-fronts (command line, web) translate a class into an exit code or a status.
+Every message has the expected and the actual value.  The classes are independent of HTTP and
+sockets: the front ends (command line, web) map a class to an exit code or a status.
 """
 
 from __future__ import annotations
 
 
 class PointbrushError(Exception):
-    """Base of every error that is the user's to read; ``str(error)`` is one clear sentence."""
+    """Base class of errors for users; ``str(error)`` is one clear sentence."""
 
     title = "The request failed"
 
     def __init__(self, *args: object, private: str = "") -> None:
-        """``private``: what only the server's operator may read (addresses, paths)."""
+        """``private``: details only for the server's operator (addresses, paths)."""
         super().__init__(*args)
         self.private = private
 
     @property
     def whole(self) -> str:
-        """The sentence with what is private."""
+        """Return the sentence with its private details."""
         return f"{self} ({self.private})" if self.private else str(self)
 
 
 class BadInputError(PointbrushError, ValueError):
-    """A value, a file or a message is not what was expected."""
+    """A value, a file or a message is invalid."""
 
     title = "Bad input"
 
@@ -36,7 +36,7 @@ class NotFoundError(PointbrushError, LookupError):
 
 
 class ConflictError(PointbrushError):
-    """The state changed under the caller (a stale revision), or forbids the change."""
+    """The state has changed since it was read (a stale revision), or does not allow the change."""
 
     title = "Conflict"
 
@@ -60,7 +60,7 @@ class TooLargeError(PointbrushError):
 
 
 class UnauthorizedError(PointbrushError):
-    """No token, or a wrong, expired or revoked one."""
+    """The token is missing, wrong, expired or revoked."""
 
     title = "Not authorised"
 
@@ -72,7 +72,7 @@ class ForbiddenError(PointbrushError):
 
 
 class ReadOnlyError(ForbiddenError):
-    """The workspace's folder, or its database, may not be written here."""
+    """The workspace's folder, or its database, is read-only."""
 
     title = "Read-only"
 
@@ -84,13 +84,13 @@ class TooManyRequestsError(PointbrushError):
 
 
 class UnavailableError(PointbrushError):
-    """Disk full, or the database is away; nothing was changed, and trying again can work."""
+    """The disk is full or the database unreachable; nothing was changed, a retry can succeed."""
 
     title = "Temporarily unavailable"
 
 
 class DamagedError(PointbrushError):
-    """A file of a recording is missing, cut short, or not what was imported; others are fine."""
+    """A file of a recording is missing, truncated or changed since its import."""
 
     title = "Damaged recording"
 

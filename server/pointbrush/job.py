@@ -1,4 +1,4 @@
-"""A job as it is seen from outside, and the memory of those that a process has."""
+"""The public state of a job, and the states of a process's jobs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 MESSAGE = "message"
 """Key of a result that becomes the ended job's message."""
 KEPT_JOBS = 1000
-"""Ended jobs that are remembered; older ones are forgotten first."""
+"""Limit of ended jobs in memory; the oldest are removed first."""
 
 
 @dataclass(frozen=True)
@@ -34,38 +34,38 @@ class Job:
     error: str | None = None
     created: float = field(default_factory=time.time)
     owner: str | None = None
-    """The person who started it."""
+    """Account of the person that started it."""
     edit: str | None = None
-    """The edit that it makes, if any."""
+    """Id of the edit that it makes, if any."""
     request: Mapping[str, Any] | None = None
-    """Request that begins it again when its server has ended, as JSON; None when nothing does."""
+    """Request that restarts it after its server has ended, as JSON; None: not restartable."""
 
 
 class Book(Protocol):
-    """Record of jobs, for whoever comes after this process."""
+    """Storage of jobs, which outlives this process."""
 
     def begun(self, job: Job) -> None:
-        """Note a job before it is handed out; what this raises keeps it from being so."""
+        """Store a job before it is submitted; an error prevents the submission."""
 
     def dropped(self, job: Job) -> None:
-        """Forget a job that could not be begun."""
+        """Remove a job that failed to start."""
 
     def changed(self, job: Job) -> None:
-        """Note that a job has changed."""
+        """Store a change of a job."""
 
 
 class KnownJobs:
-    """Jobs of this process, as they are now; thread-safe."""
+    """Current states of this process's jobs; thread-safe."""
 
     def __init__(self, notify: Callable[[Job], None]) -> None:
-        """``notify(job)`` is called at every change, from the threads that make it."""
+        """``notify(job)`` is called at every change, from the thread of the change."""
         self._notify = notify
         self._lock = threading.Lock()
         self._jobs: dict[str, Job] = {}
         self.book: Book | None = None
 
     def all(self) -> list[Job]:
-        """Return the remembered jobs, newest first."""
+        """Return the jobs, newest first."""
         with self._lock:
             return sorted(self._jobs.values(), key=lambda job: job.created, reverse=True)
 
@@ -77,7 +77,7 @@ class KnownJobs:
             return self._jobs[job_id]
 
     def add(self, job: Job) -> None:
-        """Remember a job, and no more of those that have ended than KEPT_JOBS."""
+        """Add a job, and remove ended jobs beyond KEPT_JOBS."""
         with self._lock:
             self._jobs[job.id] = job
             ended = [job_id for job_id, job in self._jobs.items() if job.state in ENDED]
@@ -85,12 +85,12 @@ class KnownJobs:
                 del self._jobs[job_id]
 
     def forget(self, job_id: str) -> None:
-        """Remember a job no longer."""
+        """Remove a job."""
         with self._lock:
             self._jobs.pop(job_id, None)
 
     def change(self, job_id: str, **fields: Any) -> None:
-        """Change a job that has not ended, tell the book of it and whoever listens."""
+        """Change a job that has not ended, store the change and notify the subscribers."""
         with self._lock:
             if job_id not in self._jobs or self._jobs[job_id].state in ENDED:
                 return

@@ -1,8 +1,8 @@
-"""Long work outside the server process, with progress, findings on the way, and cancel.
+"""Jobs outside the server process, with progress, intermediate results, and cancellation.
 
 Work runs on a ``concurrent.futures`` executor: local processes, or a Dask cluster.  Each running
-job talks to its runner over one authenticated connection: progress and items go up, the wish to
-cancel comes down.
+job has one authenticated connection to its runner: it sends progress and items, and receives
+cancellation requests.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ from pointbrush.worker import (
 logger = logging.getLogger(__name__)
 DRAIN_SECONDS = 60
 END_SECONDS = 2.0
-"""Time that the work of a server that is stopped may take to heed it."""
+"""Longest wait for work to end when the server stops."""
 TRIES = 2
-"""A job whose worker dies is begun once more."""
+"""Limit of workers per job: if a worker dies, the job is restarted once."""
 SUBMISSIONS = 5
-"""Most times that work is handed out which no worker has come to begin."""
+"""Limit of submissions of work that no worker starts."""
 SHORTAGE_SECONDS = 0.1
-"""Pause after a worker that could not be heard for want of files or memory."""
+"""Pause after a connection failed because of a shortage of files or memory."""
 LOOK_SECONDS = 1.0
-"""Interval of looks at what a job waits for that no worker has begun."""
+"""Polling interval of a job that waits for a worker."""
 SCHEDULER_AWAY = "waiting for the Dask scheduler, which does not answer"
 SHORTAGE = "waiting for free files and memory for a worker"
 
@@ -58,22 +58,22 @@ class _Running:
     done: Callable[[Job], None] | None
     restart: Callable[[Job], None] | None
     tries: int = 0
-    """Workers that have begun the work."""
+    """Number of workers that have started the work."""
     submissions: int = 1
     turn: int = 0
-    """Number of the last time that the work was handed out."""
+    """Number of the last submission of the work."""
     connection: Connection[Any, Any] | None = None
     cancelled: bool = False
     left: bool = False
-    """Another server does it from here on: it ends without a result."""
+    """Another server continues the job, so it ends here without a result."""
     fault: BaseException | None = None
-    """Error that kept this process from taking in the work's findings."""
+    """Error of this process while receiving the work's items."""
     drained: threading.Event = field(default_factory=threading.Event)
     ended: threading.Event = field(default_factory=threading.Event)
 
 
 class JobRunner:
-    """Runs jobs on ``executor`` (local processes unless given) and remembers them."""
+    """Runs jobs on local processes or a Dask cluster, and keeps their states."""
 
     def __init__(
         self,
@@ -84,10 +84,10 @@ class JobRunner:
     ) -> None:
         """``notify(job)`` is called at every change, from the runner's threads.
 
-        With a Dask ``scheduler`` (tcp://host:port) jobs run on its workers, which report to this
-        machine's address on the way there; else on ``workers`` processes of this machine.
-        ``public`` takes from an error's text what clients should not read.
-        Raises BadInputError or UnavailableError when there is no such scheduler.
+        With a Dask ``scheduler`` (tcp://host:port) jobs run on its workers, which connect to this
+        machine's address in that network; otherwise on ``workers`` processes of this machine.
+        ``public`` removes private parts from an error's text.  Raises BadInputError or
+        UnavailableError if the scheduler cannot be used.
         """
         self._public = public
         self.known = KnownJobs(notify)
@@ -110,11 +110,11 @@ class JobRunner:
     ) -> Job:
         """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
 
-        These run in this process.  ``finish`` gives the job's result, also when the job was
-        cancelled, so that findings can be kept; not when the work failed.  ``done(job)`` runs last,
-        however the job ended; it has not where another server goes on with it.  When a worker
-        dies, the work is begun once more, after ``restart(job)``: it drops what came so far.  So
-        ``work`` must be safe to begin again.  Raises UnavailableError once the runner is closed.
+        The callbacks run in this process.  ``finish`` returns the job's result; it is also called
+        for a cancelled job, to keep partial results, but not if the work failed.  ``done(job)``
+        runs last in all cases, with an unfinished job if another server continues it.  If a worker
+        dies, the work is restarted once, after ``restart(job)`` has dropped earlier items; ``work``
+        must therefore be repeatable.  Raises UnavailableError once the runner is closed.
         """
         self._require_open()
         if (book := self.known.book) is not None:
@@ -137,20 +137,20 @@ class JobRunner:
         return job
 
     def make_ready(self, function: Callable[[], None]) -> None:
-        """Begin a worker process, where there is none yet, and have it call ``function``.
+        """Start a worker process, if there is none yet, and call ``function`` in it.
 
-        Jobs need not wait for its imports then.  Workers of a cluster begin by themselves.
+        Jobs then need not wait for its imports.  Workers of a cluster are started independently.
         """
         with self._lock, suppress(UnavailableError), shortages_in_words():
             if not self._workers.begun and not self._closed:
                 self._workers.submit(function)
 
     def require_scheduler(self) -> None:
-        """Raise UnavailableError when jobs run on a cluster that does not answer."""
+        """Raise UnavailableError if jobs run on a cluster that does not answer."""
         self._workers.require_answer()
 
     def cancel(self, job_id: str) -> Job:
-        """Ask a job to stop; raises ConflictError when it has already ended."""
+        """Request the cancellation of a job; raises ConflictError if it has already ended."""
         job = self.known.get(job_id)
         with self._lock:
             running = self._running.get(job_id)
@@ -164,7 +164,7 @@ class JobRunner:
         return job
 
     def wait(self, job_id: str, timeout: float | None = None) -> Job:
-        """Block until the job has ended (or ``timeout`` seconds passed) and return it."""
+        """Wait until the job has ended (or ``timeout`` seconds) and return it."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while (job := self.known.get(job_id)).state not in ENDED:
             if deadline is not None and time.monotonic() > deadline:
@@ -173,19 +173,19 @@ class JobRunner:
         return job
 
     def leave(self, job_id: str) -> None:
-        """Stop a job without a result: another server has it, or will."""
+        """Stop a job without a result, as another server continues it."""
         with self._lock:
             running = self._running.get(job_id)
             if running is not None:
                 running.left = True
-        with suppress(ConflictError, NotFoundError):  # it ended by itself meanwhile
+        with suppress(ConflictError, NotFoundError):  # it has ended
             self.cancel(job_id)
 
     def close(self) -> None:
-        """Stop what runs and end the worker processes.
+        """Stop all jobs and end the worker processes.
 
-        Jobs in a book are left to the next server, or fail where nothing begins them again; others
-        are cancelled.
+        With a book, jobs are left to other servers, or fail if they cannot be restarted; without
+        one they are cancelled.
         """
         with self._lock:
             self._closed = True
@@ -199,14 +199,14 @@ class JobRunner:
                 self.known.change(
                     job.id, state="failed", error="the server was stopped; start the job again"
                 )
-            with suppress(ConflictError):  # it ended by itself meanwhile
+            with suppress(ConflictError):  # it has ended
                 self.cancel(job.id)
         with self._lock:
             supervised = list(self._running.values())
         deadline = time.monotonic() + END_SECONDS
         for running in supervised:
             running.ended.wait(deadline - time.monotonic())
-        # A step of work, or what makes a process ready, may take as long as it likes.
+        # Work does not check for cancellation within a step or its imports.
         self._workers.end()
         for running in supervised:
             running.ended.wait(END_SECONDS)
@@ -223,12 +223,12 @@ class JobRunner:
             except (EOFError, multiprocessing.AuthenticationError):
                 continue
             except Exception as error:
-                # Of a shortage; its work is begun again.
+                # A shortage of resources; the work is restarted.
                 logger.warning("a worker cannot be heard now: %s", shortage(error) or error)
                 time.sleep(SHORTAGE_SECONDS)
 
     def _hear(self, connection: Connection[Any, Any]) -> None:
-        """Listen to a worker in a thread; one that cannot begin leaves it nobody to wait for."""
+        """Start a thread for a worker's connection; close it if the thread cannot start."""
         try:
             threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
         except BaseException:
@@ -242,8 +242,8 @@ class JobRunner:
             return
         with self._lock:
             running = self._running.get(job_id)
-            # A cluster runs work again by itself whose worker died, more often than wanted.
-            # And what was handed out in vain, for want of a process say, may begin late.
+            # A cluster may restart work of a dead worker more often than TRIES, and an earlier
+            # submission without a free process may start late.
             if running is None or running.tries >= TRIES or running.turn != turn:
                 connection.close()
                 return
@@ -264,7 +264,7 @@ class JobRunner:
         running.drained.set()
 
     def _hear_out(self, connection: Connection[Any, Any], job_id: str, running: _Running) -> None:
-        """Take in all that a worker says of a job, until it says no more."""
+        """Receive all messages of a worker about a job until the connection closes."""
         try:
             while True:
                 kind, *values = connection.recv()
@@ -274,7 +274,7 @@ class JobRunner:
                     running.on_item(self.known.get(job_id), values[0])
         except (EOFError, OSError):
             pass
-        except Exception as error:  # such as no memory for what came
+        except Exception as error:  # such as no memory for an item
             running.fault = error
             cut_off(connection)
 
@@ -282,10 +282,10 @@ class JobRunner:
         job = self.known.get(job_id)
         try:
             self._see_through(job_id, running)
-        except Exception as error:  # nobody else would end it
+        except Exception as error:  # otherwise the job would never end
             self.known.change(job_id, state="failed", error=self._public(sentence(error)))
         finally:
-            with suppress(NotFoundError):  # another server goes on with it
+            with suppress(NotFoundError):  # another server continues it
                 job = self.known.get(job_id)
             if running.done is not None:
                 running.done(job)
@@ -294,11 +294,11 @@ class JobRunner:
             running.ended.set()
 
     def _see_through(self, job_id: str, running: _Running) -> None:
-        """Wait until the work has ended, begin it again where it must be, and end the job."""
+        """Wait until the work has ended, restart it if necessary, and end the job."""
         error = self._outcome(job_id, running)
         while self._again(job_id, running, error):
             error = self._outcome(job_id, running)
-        # Items that are still on their way; work that failed may not have come to connect.
+        # Wait for pending items; failed work may not have connected.
         connected = error is None or running.connection is not None
         running.drained.wait(DRAIN_SECONDS if connected else 0)
         error = running.fault or error
@@ -312,10 +312,10 @@ class JobRunner:
             self.known.change(job_id, state="failed", error=self._public(sentence(error)))
 
     def _hand_out(self, job_id: str, running: _Running) -> Future[Any] | None:
-        """Give work to a worker; None while nobody can take it, and once this is closed.
+        """Submit work; return None if no worker can take it, or once the runner is closed.
 
-        Then the scheduler is away, or there are no files or no memory for a worker.  The lock must
-        be held.
+        The reason is an unreachable scheduler, or a shortage of files or memory.  The lock must be
+        held.
         """
         if self._closed:
             return None
@@ -327,11 +327,11 @@ class JobRunner:
             if (short := shortage(error)) is None:
                 raise
             logger.warning("a job waits: %s", short)
-            running.turn += 1  # a pool may have kept the work and begin it all the same
+            running.turn += 1  # a pool may have kept the work and start it nevertheless
             return None
 
     def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
-        """Wait until the work has ended or was taken off the queue; return its error, or None."""
+        """Wait until the work has ended or left the queue; return its error, or None."""
         while True:
             if running.future is None:
                 if running.cancelled or self._closed:
@@ -365,7 +365,7 @@ class JobRunner:
         return "waiting for a worker"
 
     def _again(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
-        """Hand work out again whose worker died, or that a lost scheduler has forgotten."""
+        """Resubmit work if its worker or scheduler was lost; return whether it was resubmitted."""
         if error is None or not died(error) or running.cancelled or self._closed:
             return False
         if running.tries >= TRIES or running.submissions >= SUBMISSIONS:

@@ -1,4 +1,4 @@
-"""Permissions of files: may this process write there, may others read, and paths nobody is told."""
+"""Permissions of files: write access, access of other users, and paths hidden from clients."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 FORBIDDEN = (errno.EROFS, errno.EACCES, errno.EPERM)
-"""Error numbers of places where nothing may be written; a full disk has others."""
+"""Error numbers of read-only places; a full disk has other ones."""
 UMASK = 0o077
-"""Files of a workspace and its backups are their owner's alone."""
+"""Umask for files of a workspace and its backups, which only their owner may access."""
 UPLOAD = re.compile(r"\buploads/[^/\s]+/")
 
 
 def writable(folder: Path) -> bool:
-    """Whether files can be made in ``folder``, found by making one that has no name."""
+    """Return whether files can be created in ``folder``, tested with an unnamed file."""
     try:
         with tempfile.TemporaryFile(dir=folder):
             return True
@@ -29,13 +29,13 @@ def writable(folder: Path) -> bool:
 
 
 def file_writable(path: Path) -> bool:
-    """Whether a file that is there may be written, and others made beside it."""
+    """Return whether an existing file can be written, and files created beside it."""
     return os.access(path, os.W_OK) and writable(path.parent)
 
 
 @contextlib.contextmanager
 def private_files() -> Iterator[None]:
-    """Have everything that is made meanwhile, by worker processes too, be its owner's alone."""
+    """Create private files in this context, also in worker processes."""
     before = os.umask(UMASK)
     try:
         yield
@@ -44,10 +44,10 @@ def private_files() -> Iterator[None]:
 
 
 def make_private(folder: Path) -> None:
-    """Take from others what they may do in ``folder``, as an earlier version left it.
+    """Remove permissions of other users in ``folder``, which earlier versions granted.
 
-    The folder itself comes last: once it is private, nothing in it needs a look again.  Does
-    nothing to what belongs to another user, or lies on a disk that cannot be written.
+    The folder itself is changed last: once it is private, its content is not checked again.  Files
+    of another user or on a read-only disk are skipped.
     """
     if os.name != "posix" or not open_to_others(folder):
         return
@@ -57,7 +57,7 @@ def make_private(folder: Path) -> None:
 
 
 def open_to_others(folder: Path) -> bool:
-    """Return whether anybody but its owner may read, write or enter ``folder``."""
+    """Return whether other users than the owner may read, write or enter ``folder``."""
     return os.name == "posix" and bool(folder.stat().st_mode & UMASK)
 
 
@@ -69,14 +69,14 @@ def _close(path: Path) -> None:
 
 
 class ServerPaths:
-    """Folders of this machine, which are cut from what clients are told."""
+    """Folders of this machine, which are removed from texts for clients."""
 
     def __init__(self, *folders: Path) -> None:
-        """``folders``: the workspace and where imports come from."""
+        """``folders``: the workspace and the sources of imports."""
         own = (Path.cwd(), Path.home(), Path(tempfile.gettempdir()), Path(__file__).parent)
         found = {folder.absolute() for folder in (*folders, *own, Path(sys.prefix))}
         found |= {folder.resolve() for folder in found}
-        # The longest first: one may lie in another.
+        # Longest first, as folders may be nested.
         self._cut = sorted(
             (f"{folder}{os.sep}" for folder in found if folder.parent != folder),
             key=len,
@@ -84,7 +84,7 @@ class ServerPaths:
         )
 
     def hide(self, text: str) -> str:
-        """Return ``text`` with files named by their place inside these folders."""
+        """Return ``text`` with paths relative to these folders."""
         for folder in self._cut:
             text = text.replace(folder, "")
         return UPLOAD.sub("", text)

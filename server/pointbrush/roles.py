@@ -1,4 +1,4 @@
-"""The roles: what a caller may do.  Each includes those before it."""
+"""The roles of callers.  Each role includes all earlier ones."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from pointbrush.errors import ForbiddenError
 
 Role = Literal["viewer", "annotator", "reviewer", "manager", "admin"]
 ROLES: tuple[Role, ...] = get_args(Role)
-"""From least to most."""
+"""All roles, lowest first."""
 
 
 def includes(role: Role, needed: Role) -> bool:
-    """Whether ``role`` may do what needs ``needed``."""
+    """Return whether ``role`` includes ``needed``."""
     return ROLES.index(role) >= ROLES.index(needed)
 
 
 def require(role: Role, needed: Role) -> None:
-    """Raise ForbiddenError, which names the role that is needed, unless ``role`` includes it."""
+    """Raise ForbiddenError with the name of the needed role unless ``role`` includes it."""
     if not includes(role, needed):
         raise ForbiddenError(f"expected the role {needed} or higher, this token's is {role}")

@@ -1,6 +1,6 @@
-"""A job's worker: a process of this machine, or one of a Dask cluster when that is not enough.
+"""The worker of a job: a process of this machine, or of a Dask cluster.
 
-Says how work is handed out, how it reports to its runner, and how such a process begins and ends.
+It covers the submission of work, its connection to the runner, and the start and end of workers.
 """
 
 from __future__ import annotations
@@ -29,32 +29,32 @@ from pointbrush.system import shortage
 logger = logging.getLogger(__name__)
 
 NICENESS = 5
-"""By how much workers give way to the server: a stroke that waits is felt, a longer run is not."""
+"""Niceness of workers, so that strokes on the server have priority over jobs."""
 START_METHOD = "spawn"
-"""Not fork: the server's threads and locks must not be copied half-way into a worker."""
+"""Not fork, which would copy threads and locks of the server in an inconsistent state."""
 T = TypeVar("T")
 CONNECT_SECONDS = 10
 
 
 class Channel:
-    """The work's side of its connection to the runner."""
+    """The connection to the runner, on the side of the work."""
 
     def __init__(self, connection: Connection[Any, Any]) -> None:
         self._connection = connection
         self._cancelled = False
 
     def progress(self, fraction: float, message: str = "") -> None:
-        """Report progress 0..1; raises CancelledError when the user has cancelled."""
+        """Report progress 0..1; raises CancelledError if the user has cancelled."""
         self._connection.send(("progress", fraction, message))
         self.check()
 
     def item(self, value: object) -> None:
-        """Hand a picklable finding to the runner at once; raises CancelledError."""
+        """Send a picklable result to the runner at once; raises CancelledError."""
         self._connection.send(("item", value))
         self.check()
 
     def check(self) -> None:
-        """Raise CancelledError when the user has cancelled."""
+        """Raise CancelledError if the user has cancelled."""
         while not self._cancelled and self._connection.poll():
             self._cancelled = self._connection.recv() == "cancel"
         if self._cancelled:
@@ -69,23 +69,23 @@ class Work(Protocol):
 
 
 def local_processes(workers: int) -> ProcessPoolExecutor:
-    """So many worker processes of this machine."""
-    # The workers share the cores: threads of BLAS in each of them would wait for one another.
+    """Return an executor with ``workers`` processes of this machine."""
+    # The workers share the cores, so several threads of BLAS per worker would be slower.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     context = multiprocessing.get_context(START_METHOD)
     return ProcessPoolExecutor(max_workers=workers, mp_context=context, initializer=_begin_worker)
 
 
 def end_processes(executor: Executor) -> None:
-    """End the worker processes of this machine at once, whatever they do."""
+    """Terminate the worker processes of this machine at once."""
     if isinstance(executor, ProcessPoolExecutor):
-        # Its own way to do so, terminate_workers, comes with Python 3.14.
+        # terminate_workers exists from Python 3.14 on.
         for process in list((executor._processes or {}).values()):
             process.terminate()
 
 
 def _begin_worker() -> None:
-    # Ctrl+C goes to all processes of a terminal; the server ends its workers.
+    # Ctrl+C signals all processes of a terminal; the server itself ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(NICENESS)
@@ -93,7 +93,7 @@ def _begin_worker() -> None:
 
 
 def _end_with_parent() -> None:
-    """Let a worker end when its server is killed: the pool's queue would keep it waiting."""
+    """End a worker if its server is killed, as it would wait for the pool's queue forever."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_after, args=(parent,), daemon=True).start()
@@ -105,21 +105,21 @@ def _end_after(parent: Any) -> None:
 
 
 def run_work(address: tuple[str, int], key: bytes, turn: tuple[str, int], work: Work) -> Any:
-    """Do a job's work in this process, which talks to its runner at ``address``.
+    """Run a job's work in this process, connected to its runner at ``address``.
 
-    ``turn``: the job's id, and which time it is that the work was handed out.
+    ``turn``: the job's id, and the number of the submission.
     """
     with private_files(), Client(address, authkey=key) as connection:
         connection.send(turn)
-        connection.recv()  # "start"; EOFError when the job is no longer wanted
+        connection.recv()  # "start"; EOFError if the job is no longer wanted
         return work(Channel(connection))
 
 
 def _with_temporary(folder: str, done: Callable[[], T]) -> T:
-    """Call ``done`` with the server's ``folder`` for temporary files, in a worker of a cluster.
+    """Call ``done`` in a worker of a cluster with the server's ``folder`` for temporary files.
 
-    It lies on the workspace's disk; a worker's own is often memory, which an archive would fill.
-    An operator who gives the worker a TMPDIR has it their way.
+    It is on the workspace's disk, while a worker's own folder is often in memory, which an archive
+    would fill.  A TMPDIR set for the worker has precedence.
     """
     before = tempfile.tempdir
     if "TMPDIR" not in os.environ and os.access(folder, os.W_OK):
@@ -131,7 +131,7 @@ def _with_temporary(folder: str, done: Callable[[], T]) -> T:
 
 
 class BriefFormatter(logging.Formatter):
-    """Writes a record as one line, without the traceback of the error that it is about."""
+    """Formats a record as one line, without a traceback."""
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the line."""
@@ -144,7 +144,7 @@ class BriefFormatter(logging.Formatter):
 
 
 def brief_logs() -> None:
-    """Have Dask, which takes lost connections for faults, say each in a line."""
+    """Shorten Dask's log of lost connections to one line each."""
     form = BriefFormatter("%(name)s: %(message)s")
     for name in ("distributed", "tornado"):
         known = [each for each in logging.Logger.manager.loggerDict if f"{each}.".startswith(name)]
@@ -154,14 +154,14 @@ def brief_logs() -> None:
 
 
 class DisconnectedError(Exception):
-    """The scheduler is another one by now, or away: what it was given is forgotten."""
+    """The scheduler is unreachable or was restarted, so its work is lost."""
 
 
 class DaskExecutor(Executor):
-    """Runs on the workers of a scheduler; they need pointbrush and the workspace's folder.
+    """Runs work on the workers of a scheduler; they need pointbrush and the workspace's folder.
 
-    Raises BadInputError for what is no address or without ``distributed``, UnavailableError when
-    nobody answers there.
+    Raises BadInputError for an invalid address or without ``distributed``, UnavailableError if the
+    scheduler does not answer.
     """
 
     def __init__(self, address: str) -> None:
@@ -184,7 +184,7 @@ class DaskExecutor(Executor):
         self._pool = self._client.get_executor(pure=False)
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """Run ``fn`` on a worker, once; raises DisconnectedError when the scheduler has gone."""
+        """Run ``fn`` on a worker once; raises DisconnectedError if the scheduler is lost."""
         if self._client.status != "running":
             raise DisconnectedError
         done = partial(fn, *args, **kwargs)
@@ -195,7 +195,7 @@ class DaskExecutor(Executor):
 
     @property
     def connected(self) -> bool:
-        """Whether the scheduler is the one that the work was given to."""
+        """Return whether the connection to the scheduler was never lost."""
         return bool(self._client.status == "running")
 
     def require_answer(self) -> None:
@@ -213,16 +213,16 @@ class DaskExecutor(Executor):
             raise UnavailableError("expected workers at the Dask scheduler, there are none")
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """Leave the cluster, which goes on, or has gone."""
+        """Disconnect from the cluster, which continues to run."""
         try:
             self._pool.shutdown(wait=wait and not cancel_futures)
             self._client.close()
-        except Exception as error:  # a client that was lost cannot say goodbye
+        except Exception as error:  # a lost client cannot disconnect
             logger.info("the connection to the Dask scheduler had ended: %s", error)
 
 
 def require_address(address: str) -> tuple[str, int]:
-    """Host and port of ``tcp://host:port`` or ``tls://host:port``; raises BadInputError."""
+    """Return host and port of ``tcp://host:port`` or ``tls://host:port``; raises BadInputError."""
     parts = urlsplit(address)
     try:
         host, port = parts.hostname, parts.port
@@ -234,22 +234,22 @@ def require_address(address: str) -> tuple[str, int]:
 
 
 def own_host(address: str) -> str:
-    """This machine's address as the scheduler's neighbours see it: workers report to it."""
+    """Return this machine's address in the scheduler's network, to which workers connect."""
     host, port = require_address(address)
     try:
         family, kind, proto, _, target = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
         with socket.socket(family, kind, proto) as probe:
-            probe.connect(target)  # sends nothing, only chooses the way
+            probe.connect(target)  # sends nothing, only selects the route
             return str(probe.getsockname()[0])
     except OSError as error:
         raise UnavailableError(f"scheduler: expected a way to {address}: {error}") from None
 
 
 class Workers:
-    """Workers that jobs are handed to; lost ones are replaced.  Thread-safe."""
+    """Workers for jobs; lost ones are replaced.  Thread-safe."""
 
     def __init__(self, count: int, scheduler: str) -> None:
-        """``count`` processes of this machine, or those of a Dask ``scheduler`` (tcp://host:port).
+        """Use ``count`` processes of this machine, or a Dask ``scheduler`` (tcp://host:port).
 
         Raises BadInputError or UnavailableError when there is no such scheduler.
         """
@@ -257,16 +257,16 @@ class Workers:
         self._executor: Executor | None = None
         self._lock, self._connecting = threading.Lock(), threading.Lock()
         self.host = "127.0.0.1"
-        """Address of this machine that they report to."""
+        """Address of this machine to which workers connect."""
         if scheduler:
             self._make = lambda: DaskExecutor(scheduler)
-            # At once: a wrong address should not first show when somebody needs it.
+            # At once, so that a wrong address is noticed at the start.
             self._executor, self.host = self._make(), own_host(scheduler)
         else:
             self._make = lambda: local_processes(count)
 
     def submit(self, function: Callable[..., Any], *args: Any) -> Future[Any] | None:
-        """Hand work out; None while the scheduler is away."""
+        """Submit work; return None while the scheduler is unreachable."""
         with self._lock:
             if self._executor is None:
                 self._executor = self._make()
@@ -275,27 +275,27 @@ class Workers:
             except DisconnectedError:
                 return None
             except BrokenExecutor:
-                # A worker died under an earlier job; later ones get new workers.
+                # A worker died during an earlier job; later jobs get new workers.
                 self._executor = self._make()
                 return self._executor.submit(function, *args)
 
     @property
     def begun(self) -> bool:
-        """Whether there are workers, or were some."""
+        """Return whether workers were started."""
         return self._executor is not None
 
     @property
     def away(self) -> bool:
-        """Whether the scheduler is another one by now, or none."""
+        """Return whether the scheduler is unreachable or was restarted."""
         return isinstance(self._executor, DaskExecutor) and not self._executor.connected
 
     def require_answer(self) -> None:
-        """Raise UnavailableError when they are those of a scheduler that does not answer."""
+        """Raise UnavailableError if a scheduler does not answer."""
         if isinstance(self._executor, DaskExecutor):
             self._executor.require_answer()
 
     def look_for_scheduler(self) -> None:
-        """Connect to a scheduler that began anew; work can be handed out meanwhile."""
+        """Connect to a restarted scheduler; work can be submitted meanwhile."""
         with self._connecting:
             lost = self._executor
             if lost is None or not self.away:
@@ -307,18 +307,18 @@ class Workers:
                 lost.shutdown(wait=False, cancel_futures=True)
 
     def end(self) -> None:
-        """End the processes of this machine, whatever they do, or leave the cluster."""
+        """Terminate the processes of this machine, or disconnect from the cluster."""
         if self._executor is not None:
             end_processes(self._executor)
             self._executor.shutdown(wait=True, cancel_futures=True)
 
 
 def died(error: BaseException) -> bool:
-    """Whether work ended because its process or its scheduler did."""
+    """Return whether work ended because its process or its scheduler was lost."""
     if isinstance(error, PointbrushError):
         return False
     lost = (BrokenExecutor, EOFError, ConnectionError, FutureCancelledError, DisconnectedError)
-    # Dask's own errors are known by name: it need not be installed.
+    # Dask's errors are recognized by name, as it need not be installed.
     return isinstance(error, lost) or type(error).__name__ in (
         "KilledWorker",
         "FutureCancelledError",
@@ -326,27 +326,27 @@ def died(error: BaseException) -> bool:
 
 
 def cut_off(connection: Connection[Any, Any]) -> None:
-    """Let whoever reads a connection read its end."""
+    """Shut down a connection, so that its reader gets EOFError."""
     with suppress(OSError), socket.socket(fileno=os.dup(connection.fileno())) as link:
         link.shutdown(socket.SHUT_RDWR)
 
 
 def tell(connection: Connection[Any, Any], word: str) -> None:
-    """Send the work a word, if it is still there."""
+    """Send the work a message, if it is still connected."""
     try:
         connection.send(word)
     except OSError:
-        return  # the work ended in this moment
+        return  # the work has just ended
 
 
 def sentence(error: BaseException) -> str:
-    """Return the message of a job that failed; an error that nobody foresaw is for the log."""
+    """Return the message of a failed job; unexpected errors are logged."""
     if isinstance(error, PointbrushError):
         return str(error)
     if (short := shortage(error)) is not None:
         return str(short)
     if died(error):
         return "the worker process died, twice (out of memory, or a fault in a native decoder)"
-    # Not one of ours: the operator needs the traceback, the user the gist.
+    # An unexpected error: the log gets the traceback, the user a short message.
     logger.error("a job failed unexpectedly", exc_info=error)
     return f"failed unexpectedly ({type(error).__name__}); the server's log has the reason"

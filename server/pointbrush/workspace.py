@@ -1,7 +1,7 @@
-"""The one façade: every front (REST, socket, command line, review panel) calls its parts.
+"""The façade of the server: REST, socket, command line and review panel call its parts.
 
-A workspace is a folder of imported sequences and a label database.  Indices and arrays that
-leave here are in source order unless a name says ``stored``.
+A workspace is a folder of imported sequences and a label database.  Returned indices and arrays are
+in source order unless a name contains ``stored``.
 """
 
 from __future__ import annotations
@@ -65,16 +65,16 @@ if TYPE_CHECKING:
 
 
 class Workspace:
-    """A folder of recordings and their labels, in parts that do the work; thread-safe.
+    """A folder of recordings and their labels, with services in its parts; thread-safe.
 
     ``library`` has the recordings, ``labels`` their palettes, annotations and history; ``imports``,
     ``tracking``, ``reviewing``, ``strokes`` and the others work on both.
     """
 
     def __init__(self, settings: Settings) -> None:
-        """Open (or make) the workspace folder and its database.
+        """Open (or create) the workspace folder and its database.
 
-        Raises BadInputError when the folder cannot be used, UnavailableError without database.
+        Raises BadInputError if the folder cannot be used, UnavailableError without database.
         """
         self.settings = settings
         self.paths = ServerPaths(settings.workspace, *settings.roots)
@@ -146,7 +146,7 @@ class Workspace:
         )
 
     def close(self) -> None:
-        """Cancel jobs or leave them to the next server, end worker processes and the database."""
+        """Cancel or release jobs, end worker processes and close the database."""
         if Workspace.hooks.made(self):
             self.hooks.close()
         self.loops.close()
@@ -158,14 +158,14 @@ class Workspace:
         self.labels.close()
 
     def keep_jobs(self) -> None:
-        """Let jobs outlive this process: see those of all servers, begin again what one left."""
+        """Store jobs, so that they outlive this process, and restart jobs of ended servers."""
         if not self.read_only:
             self.jobs.open()
             self.hooks.open()
 
     @property
     def read_only(self) -> str:
-        """Sentence on what cannot be changed here; empty where everything can."""
+        """Return a sentence about read-only parts; empty if all parts are writable."""
         found = []
         for part in (self.library, self.labels):
             try:
@@ -176,7 +176,7 @@ class Workspace:
 
     @once
     def tracking(self) -> Runs:
-        """Tracking runs."""
+        """Return the service for tracking runs."""
         from pointbrush.work.tracking.runs import Runs
 
         return Runs(
@@ -190,7 +190,7 @@ class Workspace:
 
     @once
     def classifiers(self) -> ClassifierFront:
-        """Classifiers taught by example: kept, asked, applied."""
+        """Return the service for classifiers trained on examples."""
         from pointbrush.classify.models import Models
         from pointbrush.work.classifiers.front import ClassifierFront
 
@@ -205,7 +205,7 @@ class Workspace:
 
     @once
     def fitting(self) -> Fitting:
-        """Fits of boxes to labels."""
+        """Return the service for fits of boxes to labels."""
         from pointbrush.work.boxes.front import Fitting
 
         return Fitting(
@@ -214,28 +214,28 @@ class Workspace:
 
     @once
     def projects(self) -> Projects:
-        """Projects: recordings with roles and classes."""
+        """Return the service for projects."""
         from pointbrush.work.projects.service import Projects
 
         return Projects(self.labels, self._listeners.tell)
 
     @once
     def versions(self) -> Versions:
-        """Named versions of the labels of projects."""
+        """Return the service for named versions of the labels of projects."""
         from pointbrush.work.projects.versions import Versions
 
         return Versions(self.labels)
 
     @once
     def agreeing(self) -> Agreeing:
-        """Copies that several people label, compared and merged."""
+        """Return the service for the comparison of copies that several people label."""
         from pointbrush.work.projects.agreeing import Agreeing
 
         return Agreeing(self.labels, self.library)
 
     @once
     def queue(self) -> Queue:
-        """Tasks of projects."""
+        """Return the service for tasks of projects."""
         from pointbrush.work.projects.copies import make_copy
         from pointbrush.work.projects.queue import Queue
 
@@ -243,37 +243,37 @@ class Workspace:
 
     @once
     def scratch(self) -> Scratch:
-        """The recording for headset checks."""
+        """Return the service for the recording of headset checks."""
         from pointbrush.work.scratch import Scratch
 
         return Scratch(self.labels, self.library)
 
     @once
     def hooks(self) -> Hooks:
-        """Webhooks of projects."""
+        """Return the service for webhooks of projects."""
         from pointbrush.work.projects.delivering import Hooks
 
         return Hooks(self.labels.team.webhooks, private=self.settings.webhook_private)
 
     @once
     def reviewing(self) -> Reviewing:
-        """States, notes and people of frames; checks, agreement and reports."""
+        """Return the service for reviews, checks, agreement and reports."""
         from pointbrush.work.reviewing import Reviewing
 
         return Reviewing(self.labels, self.recording)
 
     def subscribe(self, listener: Callable[[Event], None]) -> Callable[[], None]:
-        """Call ``listener`` at every event, from any thread; returns what undoes it."""
+        """Call ``listener`` at every event, from any thread; return a function that removes it."""
         return self._listeners.add(listener)
 
     def _changed_elsewhere(self, sequence: str) -> None:
-        """Another process added, deleted or restored a recording."""
+        """Update after another process has added, deleted or restored a recording."""
         self.library.store.forget(sequence)
         self.deletion.tidy()
         self._listeners.tell(SequencesChanged(sequence))
 
     def thumbnail(self, sequence: str, frame: int) -> bytes:
-        """A small picture of a frame, JPEG; raises NotFoundError, DamagedError."""
+        """Return a small picture of a frame, JPEG; raises NotFoundError, DamagedError."""
         recording = self.recording(sequence)
         return thumbnails.thumbnail(recording[frame], recording.manifest.T_room_local)
 
@@ -286,13 +286,13 @@ class Workspace:
     def stand_on_floor(
         self, sequence: str, frame: int, samples: Sequence[Mapping[str, Any]]
     ) -> Manifest:
-        """Stand a recording on the surface that rays point at; see ``flooring.room_on_floor``."""
+        """Place a recording on the surface hit by rays; see ``flooring.room_on_floor``."""
         recording = self.recording(sequence)
         room = flooring.room_on_floor(self.labels, recording, frame, samples)
         return self.update_sequence(sequence, room=room)
 
     def reset_floor(self, sequence: str) -> Manifest:
-        """Stand a recording as the import found it."""
+        """Reset the orientation of a recording to the result of its import."""
         found = self.recording(sequence).manifest.T_found_room_local
         return self.update_sequence(sequence, room=found)
 
@@ -306,13 +306,13 @@ class Workspace:
         above: float = 0.0,
         snapshot: str | None = None,
     ) -> None:
-        """Write frames ``I:J`` with their labels; a folder or file at a Path, zip to a stream.
+        """Export frames ``I:J`` with their labels to a folder or file, or as a zip to a stream.
 
-        ``val``: frames for validation in a format for training, as ``exporting.choose_split``;
-        ``above``: predicted labels of a confidence, 0 to 1, below it are left out; ``snapshot``:
-        labels as they were in this version of the project.
-        Raises BadInputError for an unknown format or range, DamagedError for a damaged frame: at a
-        Path nothing is left then, a stream has not begun, or goes on and names the gap.
+        ``val``: frames for validation, see ``exporting.choose_split``; ``above``: minimum
+        confidence of predicted labels, 0 to 1; ``snapshot``: export the labels of this version of
+        the project.  Raises BadInputError for an unknown format or range, DamagedError for a
+        damaged frame.  After an error a Path does not exist; a stream has not started, or continues
+        and names the gap.
         """
         recording = self.recording(sequence)
         if export_format not in formats.EXPORTS:
@@ -326,7 +326,7 @@ class Workspace:
         labeled = exporting.labeled_frames(kept, recording, chosen, gaps, above)
         labeled = exporting.split_frames(labeled, split)
         if formats.EXPORTS[export_format].whole_boxes:
-            from pointbrush.work.boxes.exporting import boxed_frames  # the readers with it
+            from pointbrush.work.boxes.exporting import boxed_frames  # imports readers
 
             labeled = boxed_frames(labeled, kept, recording)
         palette = kept.palette(sequence)
@@ -335,9 +335,9 @@ class Workspace:
         formats.export(export_format, labeled, palette, out, gaps, *numbers)
 
     def check_files(self, *, repair: bool = False) -> Repaired:
-        """Find damaged classifiers and prepared frames; ``repair`` removes the latter."""
+        """Return damaged classifiers and prepared frames; ``repair`` removes the latter."""
         classifiers: list[str] = []
-        if self._classifier_folder.is_dir():  # reading them needs large libraries
+        if self._classifier_folder.is_dir():  # slow to import
             from pointbrush.work.classifiers.files import ClassifierFiles
 
             classifiers = ClassifierFiles(self._classifier_folder).problems()
@@ -345,15 +345,15 @@ class Workspace:
         return Repaired(removed, [*classifiers, *left])
 
     def import_roots(self, *, own: bool) -> list[Path]:
-        """Folders that a caller over the network may import from.
+        """Return the folders from which a caller over the network may import.
 
-        ``own``: where none are named, the current folder and the home folder; the caller is who
-        started the server, on this machine.
+        ``own``: the caller started the server on this machine; without configured folders they may
+        then import from the current folder and the home folder.
         """
         return self.settings.roots or (self.settings.own_roots if own else [])
 
     def ready_checks(self) -> dict[str, Callable[[], None]]:
-        """Return a check of each part that work needs; it raises UnavailableError."""
+        """Return a check of each required part, which raises UnavailableError."""
         return {
             "database": self.labels.require_answer,
             "disk": lambda: require_room(self.library.folder),
@@ -362,18 +362,18 @@ class Workspace:
         }
 
     def back_up(self, target: Path, earlier: Path | None = None) -> None:
-        """Copy everything into the new folder ``target``; see ``backup.make_backup``."""
+        """Back up the workspace to the new folder ``target``; see ``backup.make_backup``."""
         make_backup(self.labels, self.library, target, self._classifier_folder, earlier)
 
     def restore_from_backup(self, source: Path, sequence: str) -> str:
-        """Bring one recording of a backup back, also while in use; returns its id here."""
+        """Restore one recording of a backup, even while in use; return its id here."""
         restored = restore_one(self.labels, self.library, source, sequence)
         self._listeners.tell(SequencesChanged(restored))
         return restored
 
 
 def _store_of(settings: Settings) -> SequenceStore:
-    """Open where the recordings of a workspace are kept."""
+    """Return the store of a workspace's recordings."""
     if not settings.sequences:
         return FolderStore(settings.workspace.absolute() / "sequences")
     make_folder("workspace", settings.workspace)
