@@ -45,23 +45,23 @@ EDITS = (
     messages.Track,
 )
 WAITING, WAITING_BYTES = 1024, 12 << 20
-"""Edits that may wait, and their bytes; a viewer that sends faster is not read until fewer do.
+"""Limits of a viewer's queue in edits and in bytes; above them, the socket is not read.
 
-Enough for what a hand draws in an hour: behind what is not read, pings wait too.
+The limits hold an hour of strokes, because pings behind unread messages wait as well.
 """
 TOGETHER = 8
 TURN_SECONDS = 0.03
-"""Work on edits of one viewer after which others have their turn."""
+"""Time for edits of one viewer before other viewers have their turn."""
 LONG_BYTES = 16 * 1024
-"""Messages from which on decoding is work for a thread."""
+"""Size from which on a message is decoded in a thread."""
 LIVE_STROKES = 8
 EXPEL_SECONDS = 0.5
-"""From the answer to an edit of a revoked token until its socket is closed."""
+"""Time between the answer to an edit of a revoked token and the close of its socket."""
 
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """Answer: points touched, and changed by a commit or, before it, so far."""
+    """Counts of an edit: touched points, and points that its commit changes or would change."""
 
     frame: int
     touched: int
@@ -70,16 +70,16 @@ class Applied:
 
 
 Result = Applied | PointbrushError | None
-"""Outcome of an edit: an answer, an error, or nothing to be said yet."""
+"""Outcome of an edit: counts, an error, or None if the edit needs no answer yet."""
 
 
 Done = tuple[Edit, Result, float]
-"""An edit, its outcome, and when it came."""
+"""An edit, its outcome, and its time of arrival."""
 
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """An edit that waits for its turn: itself or, of many samples, its bytes; ``came``: when."""
+    """An edit in the queue, encoded if it is large; ``came``: its time of arrival."""
 
     edit: Edit | bytes
     nbytes: int
@@ -87,7 +87,7 @@ class Waiting:
 
 
 def take_turn(work: Iterator[None]) -> bool:
-    """Go on with work until it is done, or for a turn; returns whether it is done."""
+    """Run work for one turn or until it is done; return whether it is done."""
     end = time.monotonic() + TURN_SECONDS
     return all(time.monotonic() < end for _ in work)
 
@@ -103,12 +103,12 @@ class Editor:
         self._refused: dict[str, None] = {}
 
     async def put(self, edit: Edit, data: bytes) -> None:
-        """Queue an edit that came as ``data``; waits while too much of this viewer is queued.
+        """Queue an edit that arrived as ``data``; wait while this viewer's queue is full.
 
-        Raises TooManyRequestsError for a new stroke while too much of all viewers is.
+        Raises TooManyRequestsError for a new stroke while the queues of all viewers are full.
         """
         if isinstance(edit, messages.StrokeBegin) and self._hub.load.overloaded:
-            self._drop(edit)  # and what follows of it
+            self._drop(edit)  # with its later messages
             raise TooManyRequestsError(
                 f"expected at most {self._hub.load.most_waiting:,} waiting edits, got more: the "
                 "server is overloaded, paint this again in a moment"
@@ -117,7 +117,7 @@ class Editor:
             self._fewer.clear()
             await self._fewer.wait()
         self._bytes += len(data)
-        # Of many samples the bytes wait: as objects they take ten times as much.
+        # Large edits wait encoded: as objects they take ten times the memory.
         waiting = Waiting(data if len(data) > LONG_BYTES else edit, len(data), time.monotonic())
         await self._queue.put(waiting)
         self._hub.load.waiting += 1
@@ -130,8 +130,8 @@ class Editor:
     async def run(self) -> None:
         """Apply edits until cancelled.
 
-        Those that wait together are applied together: a short stroke comes in three messages, and
-        each way to a thread and back waits for the event loop twice.
+        Waiting edits are applied together: a short stroke consists of three messages, and each
+        call of a thread waits for the event loop twice.
         """
         try:
             while True:
@@ -153,7 +153,7 @@ class Editor:
                 self._queue.task_done()
 
     async def _apply_all(self, batch: list[Waiting]) -> None:
-        """Apply edits and answer each once the turn that finished it is over."""
+        """Apply edits; answer each edit after the turn that finished it."""
         done: list[Done] = []
         work, finished, again = self._work(batch, done), False, False
         while not finished:
@@ -166,13 +166,13 @@ class Editor:
             done.clear()
 
     async def idle(self) -> None:
-        """Wait until every edit that was put has been answered."""
+        """Wait until every queued edit has been answered."""
         await self._queue.join()
 
     def _drop(self, edit: Edit) -> None:
         self._live.pop(edit.id, None)
         if isinstance(edit, messages.StrokeBegin | messages.StrokeSamples):
-            # The rest of a refused stroke is on its way; one answer is enough.
+            # Further messages of a refused stroke are on their way; one answer is enough.
             self._refused[edit.id] = None
             if len(self._refused) > LIVE_STROKES * 8:
                 del self._refused[next(iter(self._refused))]
@@ -181,7 +181,7 @@ class Editor:
         if isinstance(result, PointbrushError):
             self._viewer.refuse(result, edit.id)
             if isinstance(result, UnauthorizedError):
-                # Once the answer has left.
+                # The answer must leave before the socket is closed.
                 asyncio.get_running_loop().call_later(EXPEL_SECONDS, self._viewer.expel)
         elif result is not None:
             self._answer(edit.id, result)
@@ -189,7 +189,7 @@ class Editor:
     # ── in a thread, one batch at a time ─────────────────────────────────────────────────
 
     def _work(self, batch: list[Waiting], done: list[Done]) -> Iterator[None]:
-        """Apply edits, and note what each came to; pauses where others may have their turn."""
+        """Apply edits and record each outcome; yield after each step, so that a turn can end."""
         expelled = self._expelled()
         ends: set[str] = set()
         if self._hub.load.behind:
@@ -200,7 +200,7 @@ class Editor:
                 if expelled is not None:
                     raise expelled
                 with shortages_in_words():
-                    # Where the stroke's end waits already, its own answer says all.
+                    # If the stroke's end waits already, its final answer replaces this one.
                     result = yield from self._apply(edit, provisional=edit.id not in ends)
                 done.append((edit, result, one.came))
             except PointbrushError as error:
@@ -209,17 +209,17 @@ class Editor:
             yield
 
     def _expelled(self) -> UnauthorizedError | None:
-        """Refuse the edits of a viewer that has ended: its token was revoked, or has expired."""
+        """Return an error if the viewer's token was revoked or has expired."""
         try:
             self._viewer.require_admitted()
         except UnauthorizedError as error:
             return error
         except PointbrushError:
-            pass  # the database is away: what edits come to says so
+            pass  # the database is unavailable: applying the edit reports it
         return None
 
     def _apply(self, edit: Edit, *, provisional: bool) -> Generator[None, None, Applied | None]:
-        """Apply an edit; ``provisional``: say what a stroke has touched so far."""
+        """Apply an edit; ``provisional``: report the points that a stroke has touched so far."""
         require(self._viewer.role, MESSAGES[edit.type])
         match edit:
             case messages.StrokeBegin():

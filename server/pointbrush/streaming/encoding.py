@@ -29,7 +29,7 @@ _client: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)
 
 
 def unpack(data: bytes) -> dict[Any, Any]:
-    """The map that a client sent; raises MalformedError when it is none."""
+    """Return the map of a client's message; raise MalformedError if it is not a map."""
     try:
         content = msgpack.unpackb(
             data,
@@ -48,12 +48,12 @@ def unpack(data: bytes) -> dict[Any, Any]:
 
 
 def decode(data: bytes) -> ClientMessage:
-    """A client's message; raises MalformedError or BadInputError."""
+    """Return a client's message; raise MalformedError or BadInputError."""
     return check(unpack(data))
 
 
 def check(content: dict[Any, Any]) -> ClientMessage:
-    """A client's message from its map; raises BadInputError when it is none of ours."""
+    """Return a client's message from its map; raise BadInputError if no model fits."""
     try:
         return _client.validate_python(content)
     except ValidationError as error:
@@ -61,7 +61,7 @@ def check(content: dict[Any, Any]) -> ClientMessage:
 
 
 def describe(found: Sequence[Any], most: int = 5) -> str:
-    """Pydantic's findings as "where: what was expected, got what", a line's length each."""
+    """Return Pydantic's errors as one line: place, expected value and received value of each."""
     lines = []
     for item in found[:most]:
         malformed = item["type"] == "json_invalid"
@@ -73,30 +73,29 @@ def describe(found: Sequence[Any], most: int = 5) -> str:
 
 
 def _got(item: Any) -> str:
-    """Describe the value that came instead, where that is known; of malformed JSON the place and
-    the fault."""
+    """Describe the received value if it is known; for malformed JSON, the place and the error."""
     if item["type"] == "missing":
         return ""
     if item["type"] == "json_invalid":
-        # FastAPI leaves place and fault out of its message; Pydantic's has both.
+        # FastAPI's message has neither place nor error; Pydantic's message has both.
         at = item["loc"][1:]
         return f" at character {at[0]}: {item['ctx']['error']}" if at else ""
     return f", got {str(item.get('input'))[:60]!r}"
 
 
 def encode(message: Message) -> bytes:
-    """A server's message."""
+    """Return the bytes of a server's message."""
     packed: bytes = msgpack.packb(message.model_dump())
     return packed
 
 
 def box_message(box: OrientedBox) -> messages.Box:
-    """A box as clients get it."""
+    """Return the message of a box."""
     return messages.Box.model_validate({"id": box.id, **fields_of(box)})
 
 
 def encode_beginning(message: Message, without: Sequence[str]) -> bytes:
-    """A server's message up to its last fields, those ``without``: ``encode_end`` has them."""
+    """Encode a message without its last fields ``without``; ``encode_end`` encodes them."""
     fields = message.model_dump()
     packer = msgpack.Packer(autoreset=False)
     packer.pack_map_header(len(fields))
@@ -108,7 +107,7 @@ def encode_beginning(message: Message, without: Sequence[str]) -> bytes:
 
 
 def encode_end(fields: Mapping[str, Any]) -> bytes:
-    """The fields that end a message which ``encode_beginning`` began."""
+    """Encode the last fields of a message of ``encode_beginning``."""
     packer = msgpack.Packer(autoreset=False)
     for name, value in fields.items():
         packer.pack(name)
@@ -119,9 +118,9 @@ def encode_end(fields: Mapping[str, Any]) -> bytes:
 def encode_frame(
     sequence: str, frame: StoredFrame, first: int, stop: int, *, final: bool
 ) -> tuple[bytes, memoryview]:
-    """Chunks [first, stop) as a ``frame`` message in two parts that are sent one behind the other.
+    """Encode chunks [first, stop) as a ``frame`` message in two consecutive parts.
 
-    The second is the points: a view of the memory map, which nothing copies on its way out.
+    The second part holds the points: a view of the memory map, sent without a copy.
     """
     chunks = frame.chunks[first:stop]
     start = chunks[0].offset if chunks else 0
@@ -135,7 +134,7 @@ def encode_frame(
 def encode_depth(
     sequence: str, frame: StoredFrame, first: int, stop: int, *, final: bool
 ) -> tuple[bytes, memoryview]:
-    """The same chunks as parts of the frame's depth image: a ``depth`` message."""
+    """Encode chunks as parts of the frame's depth image: a ``depth`` message."""
     starts = [frame.depth_start(chunk) for chunk in range(first, stop + 1)]
     rows = [
         _row(chunk, start - starts[0], end - start)
@@ -184,7 +183,7 @@ def _row(chunk: Chunk, offset: int, nbytes: int, **grid: Any) -> dict[str, Any]:
 
 
 def encode_whole(sequence: str, frame: int, first: int, values: FrameValues) -> bytes:
-    """The values of a run of points as an ``annotation`` message, run-length encoded."""
+    """Encode the values of a run of points as an ``annotation`` message, run-length encoded."""
     shown = np.where(values.deleted, np.uint16(DELETED), values.label)
     starts = np.flatnonzero(np.concatenate(([True], shown[1:] != shown[:-1])))[: len(shown)]
     lengths = np.diff(starts, append=len(shown))
@@ -196,7 +195,7 @@ def encode_whole(sequence: str, frame: int, first: int, values: FrameValues) -> 
 def encode_delta(
     sequence: str, frame: int, revision: int, base: int, delta: Delta, edit: str, author: str
 ) -> bytes:
-    """A commit's part in one frame as an ``annotation`` message."""
+    """Encode a commit's part in one frame as an ``annotation`` message."""
     shown = np.where(delta.deleted, np.uint16(DELETED), delta.label)
     return _annotation(
         sequence, frame, revision, base, 0, 0, delta.indices, _single(shown), edit, author
@@ -206,14 +205,14 @@ def encode_delta(
 def encode_provisional(
     sequence: str, frame: int, revision: int, numbers: NDArray[Any], labels: NDArray[Any]
 ) -> bytes:
-    """A tracking run's finding, which no edit has confirmed yet."""
+    """Encode a provisional result of a tracking run as an ``annotation`` message."""
     return _annotation(
         sequence, frame, revision, revision, 0, 0, numbers, _single(labels), provisional=True
     )
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any]:
-    """One value in place of many equal ones."""
+    """Return one value if all values are equal, otherwise all of them."""
     return values[:1] if len(values) > 1 and (values == values[0]).all() else values
 
 

@@ -41,11 +41,11 @@ logger = logging.getLogger(__name__)
 
 T = TypeVar("T")
 VALUES_BYTES = 32 * 2**20
-"""Memory for values of frames, run-length encoded: of an unlabelled frame 1 kB each."""
+"""Memory for values of frames, run-length encoded; an unlabelled frame takes 1 kB."""
 READ_THREADS, EDIT_THREADS, LONG_THREADS = 4, 8, 2
 PRESENCE_HZ = 30.0
 AGAIN_SECONDS = 1.0
-"""Pause before a job is told again that could not be, while the database was away."""
+"""Pause before the state of a job is sent again after the database was unavailable."""
 
 
 def compiling(step: StepName, progress: Progress) -> bytes:
@@ -74,11 +74,11 @@ class Hub:
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[Hub]:
-        """Listen to the workspace while the context is open; viewers are sent away at its end."""
+        """Forward the workspace's events while the context is open; then close all viewers."""
         loop = asyncio.get_running_loop()
 
         def forward(event: Event) -> None:
-            # Called from any thread, also in the moment that the loop ends.
+            # Called from any thread, possibly while the loop ends.
             if isinstance(event, Job):
                 self.metrics.job(event)
             if not loop.is_closed():
@@ -103,7 +103,7 @@ class Hub:
             unsubscribe()
 
     async def drain(self, seconds: float) -> None:
-        """Answer the edits that viewers have sent; hear no new ones.  Gives up after a time."""
+        """Answer the received edits and read no new ones, for at most ``seconds``."""
         answers = [asyncio.create_task(viewer.drain()) for viewer in self.viewers]
         if answers:
             _, late = await asyncio.wait(answers, timeout=seconds)
@@ -111,14 +111,14 @@ class Hub:
                 task.cancel()
 
     async def read(self, function: Callable[..., T], *args: Any) -> T:
-        """Run something short that reads, in a thread."""
+        """Run a short function that reads in a thread."""
         with shortages_in_words():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
 
     async def edit(self, function: Callable[..., T], *args: Any, again: bool = False) -> T:
-        """Run something that writes, in a thread of its own kind: readers do not wait for it.
+        """Run a function that writes in a thread of a separate pool, so that readers do not wait.
 
-        ``again``: it goes on with something long, which leaves the threads to what is short.
+        ``again``: continue long work in the pool for long work; short edits keep their threads.
         """
         if again:
             with shortages_in_words():
@@ -126,19 +126,19 @@ class Hub:
         with self.load.edit(), shortages_in_words():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
 
-    # ── what is sent ─────────────────────────────────────────────────────────────────────
+    # ── sent messages ────────────────────────────────────────────────────────────────────
 
     def sent(self, nbytes: int) -> None:
-        """A frame message left."""
+        """Count a frame message that was sent."""
         self._frames += 1
         self._bytes += nbytes
 
     def skipped(self, frames: int) -> None:
-        """Note that frames were left out of what a playing viewer is sent."""
+        """Count frames that a playing viewer did not receive."""
         self._skipped += frames
 
     def _sent_bytes(self) -> int:
-        """Bytes so far; what came since the last time is counted here, a hundred at once."""
+        """Return the bytes sent so far, and add the difference to the metrics in one step."""
         self.metrics.frames.inc(self._frames - self._counted[0])
         self.metrics.sent.inc(self._bytes - self._counted[1])
         self.metrics.skipped.inc(self._skipped - self._counted[2])
@@ -149,7 +149,7 @@ class Hub:
         return sum(viewer.plan.clock is not None for viewer in self.viewers)
 
     def queue_lengths(self) -> dict[str, int]:
-        """Count the waiting and running: edits of all viewers, and this server's jobs."""
+        """Return the numbers of waiting edits and events, and of this server's jobs."""
         jobs = Counter(job.state for job in self.workspace.runner.known.all())
         return {
             "edits": sum(viewer.waiting_edits for viewer in list(self.viewers)),
@@ -161,18 +161,18 @@ class Hub:
     # ── viewers ──────────────────────────────────────────────────────────────────────────
 
     def join(self, viewer: Viewer) -> None:
-        """A socket opened."""
+        """Add a viewer when its socket opens."""
         self.viewers.add(viewer)
         self.metrics.viewers.set(len(self.viewers))
 
     def leave(self, viewer: Viewer) -> None:
-        """A socket closed."""
+        """Remove a viewer when its socket closes."""
         self.viewers.discard(viewer)
         self.metrics.viewers.set(len(self.viewers))
         self.exit(viewer)
 
     async def enter(self, viewer: Viewer, sequence: str) -> Room:
-        """Put a viewer into a sequence's room; raises NotFoundError."""
+        """Add a viewer to a sequence's room; raise NotFoundError."""
         recording = await self.read(self.workspace.recording, sequence)
         async with self._opening:
             old = room = self.rooms.get(sequence)
@@ -186,7 +186,7 @@ class Hub:
                     raise
                 if old is not None:
                     room.viewers |= old.viewers
-                    # Whoever changed it may be another server, which tells nobody here.
+                    # Another server that changes a recording sends no event to this one.
                     self._events.put_nowait(SequencesChanged(sequence))
         if viewer.room is not room:
             self.exit(viewer)
@@ -194,7 +194,7 @@ class Hub:
         return room
 
     def exit(self, viewer: Viewer) -> None:
-        """Take a viewer out of its room; the last one closes it."""
+        """Remove a viewer from its room; close the room after its last viewer."""
         room = viewer.room
         if room is None:
             return
@@ -209,7 +209,7 @@ class Hub:
             self.shelf.forget(room.stock.key)
 
     def send_out(self, viewer: Viewer, error: PointbrushError) -> None:
-        """Close what a viewer has open, tell it why, and keep its socket."""
+        """Close a viewer's sequence with an error message; keep its socket."""
         room = viewer.room
         if room is None:
             viewer.refuse(error)
@@ -229,7 +229,7 @@ class Hub:
             try:
                 await self._dispatch(event)
             except Exception:
-                # One event that cannot be told must not silence all later ones.
+                # The failure of one event must not stop later events.
                 logger.exception("could not tell viewers about %s", type(event).__name__)
 
     async def _dispatch(self, event: Event) -> None:
@@ -265,21 +265,21 @@ class Hub:
             room.retracted(event.frames)
 
     async def _tell_all(self, job: Job) -> None:
-        """Tell all viewers of a job, later when the database is away."""
+        """Send a job's state to all viewers; retry while the database is unavailable."""
         self._untold.pop(job.id, None)
         try:
             await self.tell_job(job, self.viewers)
         except UnavailableError:
-            # Whom it is for stands there, and its last state must not be missed.
+            # The database holds the job's permissions, and viewers need its last state.
             self._untold[job.id] = job
             asyncio.get_running_loop().call_later(AGAIN_SECONDS, self._tell_again, job)
 
     def _tell_again(self, job: Job) -> None:
-        if self._untold.get(job.id) is job:  # nothing newer is known of it
+        if self._untold.get(job.id) is job:  # no newer state has arrived
             self._events.put_nowait(job)
 
     async def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
-        """Queue a job's state for those whom it is for; a newer one replaces it."""
+        """Queue a job's state for the viewers that may see it; a newer state replaces it."""
         those = list(viewers)
         if not those:
             return
@@ -302,7 +302,7 @@ class Hub:
             viewer.outbox.wake.set()
 
     async def _sequence_changed(self, sequence: str) -> None:
-        # Also those that are still in a room of what it was before.
+        # Include viewers in the room of an earlier import.
         for viewer in list(self.viewers):
             if viewer.room is not None and viewer.room.id == sequence:
                 await viewer.reopen()

@@ -1,4 +1,4 @@
-"""Load of the event loop: when it is busy, viewers get fewer points, so strokes stay quick."""
+"""Load of the event loop: when it is busy, viewers get fewer points, so that strokes stay fast."""
 
 from __future__ import annotations
 
@@ -11,34 +11,34 @@ from contextlib import contextmanager
 
 PERIOD = 0.05
 LATE, EARLY = 0.012, 0.004
-"""Seconds of lag above which there is too much to do, and below which there may be more."""
+"""Lag in seconds above which the server sends less, and below which it may send more."""
 BUSY, IDLE = 0.6, 0.45
-"""The same for the share of the time that the loop computes: strokes need the rest."""
+"""The same bounds for the loop's share of computing time; strokes need the rest."""
 SENDS_A_TURN = 6
 YIELD_SECONDS, YIELDS = 0.001, 8
-"""Longest wait of points for an edit that is being applied: a flood must not stop them."""
+"""Longest wait of points for an edit in progress; a flood of edits must not stop points."""
 FIRST, LEAST = 300e6, 25e6
-"""Bytes a second for all who follow a clock together: before anything is known, and at least."""
+"""Total bytes a second of all playing viewers: before any measurement, and at least."""
 CUT, GROW = 0.85, 1.05
 MOST_CUTS = 4
-"""Cuts at once: as many as the lag is times too long."""
+"""Most cuts at once; the number of cuts is the lag divided by ``LATE``."""
 CALM_SECONDS = 0.1
 BEHIND = 32
-"""Edits that wait from which on only what must be answered is."""
+"""Number of waiting edits from which on provisional answers are left out."""
 
 
 class Load:
-    """Watches the loop it runs on, and shares out what it can send among those who follow a clock.
+    """Measures its event loop, and divides the bytes that it can send among playing viewers.
 
-    A budget in bytes, and not a share of what links carry: when a hundred begin to play in one
-    moment, each link looks as wide as the machine's memory, and nobody knows better for a second.
+    The budget is in bytes instead of a share of the links' rates: if a hundred viewers start to
+    play at once, each link's estimate equals the machine's memory bandwidth for about a second.
     """
 
     def __init__(self, most_waiting: float = math.inf) -> None:
-        """``most_waiting``: edits of all viewers that wait, until no further strokes are begun."""
+        """``most_waiting``: waiting edits of all viewers from which on new strokes are refused."""
         self.most_waiting = most_waiting
         self.each = math.inf
-        """Bytes a second that one viewer who follows a clock may be sent."""
+        """Bytes a second that the server may send to one playing viewer."""
         self._budget = FIRST
         self._calm = math.inf
         self._left = SENDS_A_TURN
@@ -47,26 +47,26 @@ class Load:
         self._yielded = 0
         self._edits = 0
         self.waiting = 0
-        """Edits that viewers have sent and that are not applied yet."""
+        """Edits that the server has received and not applied yet."""
 
     @property
     def strained(self) -> bool:
-        """Whether there was too much to do just now: nothing is sent that may never be seen."""
+        """Return whether the load was too high just now; then no frames are sent ahead."""
         return self._calm < CALM_SECONDS
 
     @property
     def behind(self) -> bool:
-        """Return whether edits wait for others' edits."""
+        """Return whether so many edits wait that provisional answers are left out."""
         return self.waiting >= BEHIND
 
     @property
     def overloaded(self) -> bool:
-        """Return whether no further strokes can be begun now."""
+        """Return whether the server refuses new strokes."""
         return self.waiting >= self.most_waiting
 
     @contextmanager
     def edit(self) -> Iterator[None]:
-        """While an edit is applied in a thread: it has Python's lock almost to itself."""
+        """Mark an edit in a thread; points wait for it, so that it rarely waits for the GIL."""
         self._edits += 1
         try:
             yield
@@ -74,10 +74,10 @@ class Load:
             self._edits -= 1
 
     async def turn(self) -> None:
-        """Wait for a turn to send points: few in each turn of the loop.
+        """Wait for a turn to send points; each iteration of the loop has few turns.
 
-        A send that fits the socket's buffer returns at once; a hundred of them in one turn would
-        keep every stroke waiting at each of its steps.
+        A send that fits the socket's buffer does not yield; a hundred sends in one iteration would
+        delay each step of every stroke.
         """
         loop = asyncio.get_running_loop()
         if not self._due:
@@ -91,7 +91,7 @@ class Load:
         await waiter
 
     def _next_turn(self) -> None:
-        """Let those go on who have waited longest, unless an edit is being applied."""
+        """Resume the viewers that have waited longest, unless an edit is being applied."""
         loop = asyncio.get_running_loop()
         if self._edits and self._yielded < YIELDS:
             self._yielded += 1
@@ -114,13 +114,13 @@ class Load:
         The loop came back ``lag`` seconds late, computed a share ``busy`` of the time, and sent
         ``sent`` bytes a second; ``followers`` viewers follow a clock.
         """
-        # Where nobody follows, a busy loop only means that somebody gets what is asked for.
+        # Without playing viewers, a busy loop only answers requests.
         if lag > LATE or (busy > BUSY and followers):
             self._calm = 0.0
             self._budget = max(LEAST, self._budget * CUT ** min(MOST_CUTS, max(1.0, lag / LATE)))
         elif lag < EARLY and busy < IDLE:
             self._calm += PERIOD
-            # What nobody asks for says nothing about what could be sent.
+            # The budget only grows from a load that uses at least half of it.
             if self._budget < FIRST or sent > self._budget / 2:
                 self._budget *= GROW
         self.each = self._budget / followers if followers else math.inf

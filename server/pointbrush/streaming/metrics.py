@@ -65,16 +65,16 @@ class Metrics:
         )
 
     def transaction(self, kind: str, seconds: float) -> None:
-        """Note a transaction of the database."""
+        """Count a transaction of the database."""
         self.database.labels(kind).observe(seconds)
 
     def job(self, job: Job) -> None:
-        """Note a job that has ended."""
+        """Count a job that has ended."""
         if job.state in ENDED:
             self.jobs.labels(job.kind, job.state).observe(max(0.0, time.time() - job.created))
 
     def watch_backups(self, newest_at: Callable[[], float], failures: Callable[[], float]) -> None:
-        """Ask for the time of the newest backup, and how many failed, with the metrics."""
+        """Report the time of the newest backup and the number of failures with the metrics."""
         for name, text, ask in (
             ("timestamp_seconds", "time of the newest backup, since 1970; 0 for none", newest_at),
             ("failures", "backups that this server could not make", failures),
@@ -83,18 +83,18 @@ class Metrics:
             gauge.set_function(ask)
 
     def watch_queues(self, lengths: Callable[[], Mapping[str, int]]) -> None:
-        """Ask ``lengths`` how long each queue is, whenever somebody reads the metrics."""
+        """Call ``lengths`` for the length of each queue when the metrics are read."""
         self.registry.register(_Queues(lengths))
 
 
 class _Queues:
-    """Lengths of queues, as they are when they are asked for."""
+    """Collector of the lengths of queues, measured when the metrics are read."""
 
     def __init__(self, lengths: Callable[[], Mapping[str, int]]) -> None:
         self._lengths = lengths
 
     def describe(self) -> Iterable[Metric]:
-        """Return the metric without its values, so that registering asks nobody."""
+        """Return the metric without values, so that registration does not measure queues."""
         return [self._family()]
 
     def collect(self) -> Iterable[Metric]:

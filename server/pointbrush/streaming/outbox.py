@@ -1,7 +1,7 @@
-"""Queue of messages to one viewer: edits in order, never dropped; states, newest wins.
+"""Queue of messages to one viewer: edits in order, never dropped; of states, the newest.
 
-Bounded: when a viewer reads too slowly for its deltas, they are given up for the whole values of
-the frames they are about, which say the same; replies are bounded by not reading further requests.
+The queue is bounded: if a viewer reads its deltas too slowly, the whole values of their frames
+replace them; if replies wait, the server stops reading the viewer's requests.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ MOST_REPLIES = 1024
 
 
 class Wake:
-    """A bell that one task waits for, rung from the event loop; remembers one ring meanwhile.
+    """An event for one waiting task, set from the event loop; one set before the wait is kept.
 
-    ``asyncio.wait_for`` makes a task each time, this does not.
+    Unlike ``asyncio.wait_for``, a wait with a timeout creates no task.
     """
 
     def __init__(self) -> None:
@@ -25,20 +25,20 @@ class Wake:
         self._waiter: asyncio.Future[None] | None = None
 
     def set(self, *, points: bool = True) -> None:
-        """Ring; ``points``: there may be points to send, and not messages alone."""
+        """Wake the task; ``points``: there may be points to send, not only messages."""
         self._rung = True
         self._points = self._points or points
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
 
     def clear(self) -> bool:
-        """Forget earlier rings; returns whether one was for points."""
+        """Clear the event; return whether it was set for points."""
         points = self._points
         self._rung = self._points = False
         return points
 
     async def wait(self, seconds: float | None) -> None:
-        """Wait for the next ring, or for ``seconds`` if given."""
+        """Wait until the event is set, for at most ``seconds`` if given."""
         if self._rung:
             return
         loop = asyncio.get_running_loop()
@@ -69,7 +69,7 @@ class Outbox:
     replies: deque[bytes] = field(default_factory=deque)
     deltas: deque[QueuedDelta] = field(default_factory=deque)
     stale: dict[int, None] = field(default_factory=dict)
-    """Frames whose values must be sent whole."""
+    """Frames of which all values must be sent."""
     jobs: dict[str, bytes] = field(default_factory=dict)
     presence: dict[str, bytes] = field(default_factory=dict)
     labels: bool = False
@@ -90,7 +90,7 @@ class Outbox:
 
     @property
     def quiet(self) -> bool:
-        """Whether nothing waits but points."""
+        """Return whether no message waits except points."""
         return not (
             self.replies
             or self.deltas
@@ -106,30 +106,30 @@ class Outbox:
 
     @property
     def crowded(self) -> bool:
-        """Whether the viewer must read answers before it is heard again."""
+        """Return whether the viewer must read answers before the server reads its messages."""
         return len(self.replies) >= MOST_REPLIES
 
     def delta(self, delta: QueuedDelta) -> None:
-        """Queue a delta; it goes out when the room wakes the viewer, with others."""
+        """Queue a delta; it is sent together with others when the room wakes the viewer."""
         self.deltas.append(delta)
         self.delta_bytes += len(delta.data)
         if self.delta_bytes > MOST_DELTA_BYTES:
             self.collapse()
 
     def collapse(self) -> None:
-        """Give up all deltas for whole values."""
+        """Replace all deltas by the whole values of their frames."""
         for delta in self.deltas:
             self.stale[delta.frame] = None
         self.clear_deltas()
         self.wake.set()
 
     def clear_deltas(self) -> None:
-        """Forget queued deltas."""
+        """Remove all queued deltas."""
         self.deltas.clear()
         self.delta_bytes = 0
 
     def next_delta(self, up_to: int | None = None) -> QueuedDelta | None:
-        """Take the oldest delta, if it is of revision ``up_to`` at most."""
+        """Remove and return the oldest delta if its revision is at most ``up_to``."""
         if not self.deltas or (up_to is not None and self.deltas[0].revision > up_to):
             return None
         delta = self.deltas.popleft()
@@ -137,7 +137,7 @@ class Outbox:
         return delta
 
     def drop(self, frame: int, up_to: int) -> None:
-        """Forget deltas of a frame up to a revision: whole values that say the same go out."""
+        """Remove a frame's deltas up to a revision: the whole values being sent include them."""
         if not self.deltas:
             return
         kept = [d for d in self.deltas if d.frame != frame or d.revision > up_to or d.provisional]
@@ -145,7 +145,7 @@ class Outbox:
         self.delta_bytes = sum(len(delta.data) for delta in kept)
 
     def restart(self) -> None:
-        """Drop everything about a sequence: another one was opened."""
+        """Remove all messages of a sequence after another one was opened."""
         self.clear_deltas()
         self.stale.clear()
         self.presence.clear()

@@ -1,7 +1,7 @@
-"""Plan of the points that a viewer gets next: the newest due frame first, then what comes soon.
+"""Plan of the points that a viewer gets next: the newest due frame, then the frames after it.
 
-Pure decisions, no input or output: times come in, pieces go out.  ``PlayClock`` says which frame
-is due.
+The plan only decides, without input or output: it takes times and returns pieces.  ``PlayClock``
+returns the frame that is due.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from pointbrush.streaming.rate import SHARE, UNLIMITED, Link, Pace, PageBudget
 from pointbrush.streaming.table import LARGEST_PIECE, FrameTable, Piece
 
 MOST_PER_SECOND = 60.0
-"""Faster playback shows every second, third … frame: no display shows more."""
+"""Displays show at most this rate; faster playback shows every second, third … frame."""
 LOOKAHEAD = 0.25
 """Seconds of frames sent before they are due."""
 AHEAD = 4
-"""Frames behind the one that is sent now whose messages are made."""
+"""Number of frames after the current one of which messages are prepared."""
 REFINE_SECONDS = 0.05
-"""A refinement's message is cut to about this time on the link, so that a seek can overtake."""
+"""A refinement's message takes about this time on the link, so that a seek can overtake it."""
 AT_ONCE_SECONDS = 0.012
-"""A frame that takes less than this on the link is not split: nobody would see its first part."""
+"""A frame that takes less than this on the link is not split: its first part is not visible."""
 SMALLEST_REFINEMENT = 64 * 1024
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
 BUSY_PAUSE = 0.1
 UP_PERIOD = 0.15
-"""Seconds between two steps up by one level; steps down are at once."""
+"""Seconds between two steps up by one level; steps down are immediate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class PlayClock:
     frames: int
     loop: bool = True
     stride: int = field(init=False)
-    """Frames between two that are shown, signed like the direction."""
+    """Difference of two consecutive shown frames, signed like the direction."""
     shown_per_second: float = field(init=False)
     """Different frames shown a second."""
 
@@ -51,31 +51,31 @@ class PlayClock:
         object.__setattr__(self, "shown_per_second", abs(self.rate) / step)
 
     def steps(self, now: float) -> int:
-        """Shown frames passed since the start."""
+        """Return the number of shown frames since the start."""
         return max(0, math.floor((now - self.since) * self.shown_per_second + 1e-9))
 
     def frame(self, step: int) -> int:
-        """The frame of a step, wrapped when looping, else held at the end."""
+        """Return the frame of a step: wrapped if the clock loops, else held at the end."""
         index = self.start + step * self.stride
         return index % self.frames if self.loop else min(max(index, 0), self.frames - 1)
 
     def due(self, now: float) -> int:
-        """The frame that should be seen now."""
+        """Return the frame that should be visible now."""
         return self.frame(self.steps(now))
 
     def next_change(self, now: float) -> float:
-        """Seconds until another frame is due; infinity when none will be."""
+        """Return the seconds until another frame is due, or infinity if none will be."""
         if self.rate == 0 or (not self.loop and self.ended(now)):
             return math.inf
         return max(0.0, self.since + (self.steps(now) + 1) / self.shown_per_second - now)
 
     def ended(self, now: float) -> bool:
-        """Not looping, and at the last frame of the direction."""
+        """Return whether a clock without loop has reached the last frame of its direction."""
         last = self.frames - 1 if self.rate >= 0 else 0
         return not self.loop and self.due(now) == last
 
     def ahead(self, now: float, seconds: float, first: int = 0) -> Iterator[tuple[int, int]]:
-        """Step and frame due now, and of those due within ``seconds``, in order of time.
+        """Return step and frame of each frame due within ``seconds``, from the current one on.
 
         Steps before ``first`` are left out.
         """
@@ -84,33 +84,33 @@ class PlayClock:
             yield step, self.frame(step)
 
     def time_of(self, step: int) -> float:
-        """Moment at which a step is due."""
+        """Return the time at which a step is due."""
         return self.since + step / self.shown_per_second if self.rate else self.since
 
 
 @dataclass(slots=True)
 class Plan:
-    """One viewer's place in a sequence and what it holds.
+    """One viewer's place in a sequence and the chunks that it has.
 
-    ``held[frame]``: chunks from the first on that were sent and not forgotten.
-    ``chunks[frame]``: of large frames, the chunks that were sent in any order; where a viewer came
-    back with a frame, nobody knows them, and there is no entry.
+    ``held[frame]``: number of chunks, from the first on, that were sent and not forgotten.
+    ``chunks[frame]``: chunks of a large frame, which are sent in any order; there is no entry for
+    a frame that a resuming viewer brought, because its chunks are unknown.
     """
 
     frames: int
     link: Link
     load: Load = field(default_factory=Load)
-    """Bounds on what the server has time for."""
+    """Load of the server, which bounds the points to send."""
     page: PageBudget = field(default_factory=PageBudget)
     focus: int = 0
     around: tuple[int, ...] = ()
-    """Frames that are shown with the focus while time stands."""
+    """Frames that are shown with the focus while the clock is stopped."""
     clock: PlayClock | None = None
     direction: int = 1
     held: dict[int, int] = field(default_factory=dict)
     chunks: dict[int, set[int]] = field(default_factory=dict)
     damaged: set[int] = field(default_factory=set)
-    """Frames that cannot be read; the viewer has been told.  Sought again, they are tried again."""
+    """Frames that cannot be read and were reported to the viewer; a seek tries them again."""
     pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
     _step: int = -1
@@ -120,7 +120,7 @@ class Plan:
     _level_time: float = float("-inf")
 
     def seek(self, frame: int, around: Sequence[int] = ()) -> None:
-        """Show one frame, with those ``around`` laid over it."""
+        """Show one frame, overlaid with the frames ``around`` it."""
         self.direction = 1 if frame >= self.focus else -1
         self.focus, self.around, self.clock = frame, tuple(around), None
         self.damaged.discard(frame)
@@ -140,13 +140,13 @@ class Plan:
         self.clock = None
 
     def forget(self, frames: list[int]) -> None:
-        """The viewer dropped these."""
+        """Remove frames that the viewer has dropped."""
         for frame in frames:
             self.held.pop(frame, None)
             self.chunks.pop(frame, None)
 
     def sent(self, piece: Piece, now: float) -> int:
-        """Note that a piece is on its way; return how many frames were skipped before it."""
+        """Record a piece that is being sent; return the number of frames skipped before it."""
         self.held[piece.frame] = max(self.held.get(piece.frame, 0), piece.stop)
         if self.clock is None or piece.step <= self._step:
             return 0
@@ -157,7 +157,7 @@ class Plan:
         return max(0, skipped)
 
     def coming(self, piece: Piece) -> list[int]:
-        """Frames that will be wanted soon after a piece that is sent now."""
+        """Return the frames to prepare after a piece that is being sent."""
         if self.clock is None:
             return []
         first = 1 if piece.step == 0 else AHEAD
@@ -169,21 +169,21 @@ class Plan:
         return self._level
 
     def unsent(self, piece: Piece, held: int | None) -> None:
-        """A piece was not sent after all; ``held``: what was held of its frame before."""
+        """Take a piece back that was not sent; ``held``: chunks held of its frame before."""
         if held is None:
             self.held.pop(piece.frame, None)
         else:
             self.held[piece.frame] = held
 
     def passed(self, step: int) -> None:
-        """A step needs nothing: the viewer holds its frame."""
+        """Pass a step for which the viewer has its frame already."""
         if step > self._step + self._had:
             self._had += 1
 
     def candidates(self, now: float) -> Iterator[tuple[int, int]]:
-        """Step of the clock (0 while paused) and frame to look at, most urgent first."""
+        """Return step of the clock (0 while paused) and frame of candidates, most urgent first."""
         if self.clock is not None:
-            # What was sent or found there in this round need not be looked at again.
+            # Skip the steps that this round of playback has sent or passed.
             yield from self.clock.ahead(now, LOOKAHEAD, max(0, self._step + self._had))
             return
         yield 0, self.focus
@@ -200,13 +200,13 @@ class Plan:
         return (self.focus + self.direction * distance) % self.frames
 
     def piece(self, step: int, frame: int, table: FrameTable, now: float) -> Piece | None:
-        """Choose a candidate's piece to send now, or None: complete, or as fine as it may be."""
+        """Choose a candidate's piece to send; None: the frame is complete, or at its limit."""
         first = self.held.get(frame, 0)
         if first >= table.chunks:
             self.passed(step)
             return None
         if self.clock is not None and step <= self._step:
-            # Of this round already: only what its message could not hold is still to come.
+            # This round has sent the frame: only the chunks beyond the first message remain.
             stop = self._goal if step == self._step else 0
         else:
             stop = self._goal = self._allowed(table, now)
@@ -226,7 +226,7 @@ class Plan:
         return table.stop_within(first, stop, share)
 
     def _allowed(self, table: FrameTable, now: float) -> int:
-        """Chunks that a frame may have at most."""
+        """Return the largest number of chunks that a frame may have now."""
         if self.clock is None:
             return table.stops[table.level_within(UNLIMITED, self.page.asked)]
         share = min(SHARE * self.link.rate * self.pace.ease, self.load.each)
@@ -240,7 +240,7 @@ class Plan:
         return table.stops[level]
 
     def wait(self, now: float) -> float | None:
-        """Seconds until there may be something new to send by itself, or None: never."""
+        """Return the seconds until another piece may be due without an event, or None: never."""
         if self.clock is None or self.clock.rate == 0:
             return BUSY_PAUSE if self.load.strained else None
         return min(1.0, self.clock.next_change(now + LOOKAHEAD))

@@ -1,8 +1,8 @@
 """Rate of a viewer's link, from its credits, and the points that a frame may have.
 
-The rate is estimated as BBR does it (Cardwell et al. 2016): bytes delivered between a message's
-sending and its credit, over that time.  A message sent into an idle link measures mostly the
-round trip, so such samples, with the round trip taken off, may only raise the estimate; a message
+The rate is estimated as in BBR (Cardwell et al. 2016): bytes delivered between a message's
+sending and its credit, divided by that time.  A message sent into an idle link measures mostly the
+round trip; such samples, with the round trip subtracted, may only raise the estimate.  A message
 that took far longer than expected lowers it at once.
 """
 
@@ -12,7 +12,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 MEMORY = 1.0
-"""Seconds that a full link's samples count."""
+"""Seconds for which samples of a full link are used."""
 SHARE = 0.85
 """Share of the estimated rate that frames may take."""
 QUEUE_SECONDS = 0.1
@@ -37,20 +37,20 @@ class _Sent:
 
 @dataclass(slots=True)
 class Floor:
-    """The least of what was seen lately."""
+    """Minimum of the recent values."""
 
     value: float = 0.0
     _since: float = float("-inf")
 
     def note(self, value: float, now: float) -> None:
-        """One more value."""
+        """Add a value."""
         if value <= self.value or now - self._since > FLOOR_MEMORY:
             self.value, self._since = value, now
 
 
 @dataclass(slots=True)
 class Link:
-    """In-flight frame messages of one viewer and the rate they leave at."""
+    """In-flight frame messages of one viewer, and their rate."""
 
     credits: int
     rate: float = 0.0
@@ -65,7 +65,7 @@ class Link:
 
     @property
     def round_trip(self) -> float:
-        """Seconds from a message to its credit when nothing is ahead of it, at most."""
+        """Return an upper bound of the seconds from a message to its credit on an idle link."""
         return self._trip.value
 
     @property
@@ -75,18 +75,18 @@ class Link:
 
     @property
     def window(self) -> int:
-        """Bytes that may be in flight, one more message apart: a long way is never filled else."""
+        """Return the bytes in flight below which another message may be sent."""
         if not self.rate:
             return FIRST_WINDOW
         return min(LARGEST_WINDOW, int(self.rate * (self.round_trip + QUEUE_SECONDS)))
 
     @property
     def has_room(self) -> bool:
-        """Whether another message may be sent now."""
+        """Return whether another message may be sent now."""
         return len(self._flight) < self.credits and self._bytes <= self.window
 
     def sent(self, nbytes: int, now: float, *, idle: bool = False) -> None:
-        """Note a frame message; ``idle``: the link had nothing to carry just before."""
+        """Record a frame message; ``idle``: the link was idle before it."""
         if not self._flight:
             self._delivered_time = now
         self._flight.append(
@@ -95,7 +95,7 @@ class Link:
         self._bytes += nbytes
 
     def credited(self, frames: int, now: float) -> None:
-        """The viewer applied the oldest ``frames`` messages; more than were sent is ignored."""
+        """Record that the viewer applied the oldest ``frames`` messages; ignore an excess."""
         last: _Sent | None = None
         for _ in range(min(frames, len(self._flight))):
             last = self._flight.popleft()
@@ -126,7 +126,7 @@ class Link:
             sample = max(sample, min((sent.ahead + sent.nbytes) / way, 2 * self.rate))
             self.rate += RAISE * max(sample - self.rate, 0.0)
         else:
-            # Kept falling in value, so that the first is the greatest of those remembered.
+            # The samples are kept in descending order: the first one is the maximum.
             while self._samples and self._samples[-1][1] <= sample:
                 self._samples.pop()
             self._samples.append((now, sample))
@@ -138,15 +138,15 @@ class Link:
 EASE_GROW, EASE_LEAST = 1.15, 0.01
 EASE_PERIOD = 0.3
 COMFORTABLE = 0.5
-"""Share of the look-ahead that, when it is filled, says that more would fit."""
+"""Filled share of the look-ahead above which the viewer may get more points."""
 
 
 @dataclass(slots=True)
 class Pace:
     """Feedback over any bottleneck: less after skipped frames, more while ahead of the clock.
 
-    The link's estimate knows nothing of a busy client, a busy server or a hundred other viewers;
-    whether frames leave in time does.
+    The link's estimate does not include a busy client, a busy server or other viewers; the
+    lateness of frames does.
     """
 
     ease: float = 1.0
@@ -154,7 +154,7 @@ class Pace:
     _changed: float = float("-inf")
 
     def left(self, skipped: int, lead: float, now: float) -> None:
-        """A frame left ``lead`` (0..1 of the look-ahead) early, after ``skipped`` never did."""
+        """Record a frame sent ``lead`` (0..1 of the look-ahead) early after ``skipped`` others."""
         if now - self._changed < EASE_PERIOD:
             return
         if skipped > 0:
@@ -184,7 +184,7 @@ class PageBudget:
     def report(
         self, frame_ms: float, target_ms: float, points: int | None, shown: int, now: float
     ) -> None:
-        """Take in a credit's figures; ``shown`` points were drawn meanwhile."""
+        """Record the times of a credit; ``shown`` points were drawn in that time."""
         self.asked = UNLIMITED if points is None else max(points, 1)
         if not frame_ms or not target_ms or now - self._changed < PAGE_PERIOD:
             return
@@ -192,12 +192,12 @@ class PageBudget:
             self.points = max(FEWEST_POINTS, int(PAGE_CUT * min(self.points, max(shown, 1))))
             self._changed = now
         elif frame_ms < PAGE_FAST * target_ms and self.points < UNLIMITED:
-            # Past every frame's size the cap has no meaning and goes away.
+            # A limit above the size of every frame is removed.
             grown = int(PAGE_GROW * self.points)
             self.points = UNLIMITED if grown > 4 * max(shown, FEWEST_POINTS) else grown
             self._changed = now
 
     @property
     def limit(self) -> int:
-        """Most points of a frame while playing."""
+        """Return the largest number of points of a frame during playback."""
         return min(self.points, self.asked)

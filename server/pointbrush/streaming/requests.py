@@ -1,4 +1,4 @@
-"""A viewer's requests beside its edits: opening a sequence, and questions before it paints."""
+"""A viewer's requests other than edits: opening a sequence, and candidates before a stroke."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from pointbrush.work.objects import Answer
 
 
 async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
-    """``message``, without what the viewer has of another import under the same id.
+    """Return ``message`` without revision and held frames of another import of the same id.
 
-    Raises BadInputError for a revision from another life of the database, before anything is
-    opened, or for held frames without one; NotFoundError for an unknown sequence.
+    Raises BadInputError for a revision that the database has not reached, and for held frames
+    without a revision; NotFoundError for an unknown sequence.
     """
     recording = await hub.read(hub.workspace.recording, message.sequence)
     if message.identity not in (None, recording.identity):
@@ -36,7 +36,7 @@ async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
 
 
 def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
-    """The answer to ``open``: the manifest, and the frame that is shown."""
+    """Return the answer to ``open``: the manifest, and the frame that is shown."""
     manifest = room.recording.manifest
     return messages.SequenceInfo(
         id=manifest.id,
@@ -74,7 +74,7 @@ def _lattice(lattice: Lattice) -> messages.Lattice:
 
 
 class Asker:
-    """Answers one viewer's newest question; older ones that wait are dropped."""
+    """Answers one viewer's newest ``ask`` message; older waiting ones are dropped."""
 
     def __init__(self, viewer: Viewer, hub: Hub) -> None:
         self._viewer, self._hub = viewer, hub
@@ -82,7 +82,7 @@ class Asker:
         self._asked = asyncio.Event()
 
     def put(self, question: messages.Ask) -> None:
-        """Ask; takes the place of a question that waits."""
+        """Replace the waiting question."""
         self._newest = question
         self._asked.set()
 
@@ -105,7 +105,7 @@ class Asker:
                 self._viewer.outbox.reply(encode(answer_message(question, answer)))
 
     def _waits_for_loops(self) -> bool:
-        """Return whether the question is about an object, whose loops are being compiled."""
+        """Return whether the question is about an object and its loops are not compiled yet."""
         question = self._newest
         about_object = question is not None and question.brush.shape == "object"
         return about_object and "objects" in self._hub.workspace.loops.missing()
@@ -121,7 +121,7 @@ class Asker:
 
 
 def answer_message(question: messages.Ask, answer: Answer) -> messages.Candidates:
-    """Candidates in stored order, as the page numbers points."""
+    """Return the message of candidates; points are numbered in stored order."""
     return messages.Candidates(
         id=question.id,
         frame=question.frame,

@@ -1,4 +1,4 @@
-"""The role that each message of a page needs: one that is not in this table is nobody's."""
+"""The role that each message of a page needs; a message outside this table is refused."""
 
 from __future__ import annotations
 

@@ -25,11 +25,11 @@ from pointbrush.workspace import Workspace
 
 STATES_PERIOD, STATES_PERIOD_EACH = 0.05, 0.002
 TICK_SECONDS = 0.03
-"""Least time in which others' edits are gathered for a viewer."""
+"""Shortest time for which edits of other viewers are collected for a viewer."""
 TICK_SECONDS_A_VIEWER = 0.0005
-"""The same for each viewer of a room, where that comes to more."""
+"""The same time for each viewer of a room; the greater of both applies."""
 AT_ONCE = 50_000
-"""Changed points that are encoded on the event loop itself."""
+"""Most changed points that are encoded on the event loop instead of in a thread."""
 CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
 
 
@@ -42,30 +42,30 @@ class Listener(Protocol):
 
     @property
     def id(self) -> str:
-        """Tells it from the others."""
+        """Unique id of the viewer."""
 
     @property
     def outbox(self) -> Outbox:
-        """Queue of messages to it."""
+        """Queue of messages to the viewer."""
 
     def holds(self, frame: int) -> bool:
-        """Whether it must hear of changes in a frame."""
+        """Return whether the viewer needs the changes of a frame."""
 
     def stale(self, frames: Iterable[int]) -> None:
-        """Values of these frames must be sent whole."""
+        """Queue all values of these frames."""
 
     def all_stale(self) -> None:
-        """Values of everything that it holds must be sent whole."""
+        """Queue all values of the frames that the viewer has."""
 
     def cells_changed(self, cells: set[Place], *, everything: bool) -> None:
-        """Palette, counts or timeline changed."""
+        """Queue changes of palette, counts or timeline."""
 
     def boxes_changed(self, boxes: Iterable[int] | None) -> None:
-        """Boxes of these ids changed, or any of them: None."""
+        """Queue the boxes of these ids, or all boxes: None."""
 
 
 class Room:
-    """Shared by the viewers of one sequence; lives while there is one.  Event loop only."""
+    """State shared by the viewers of one sequence while it has any.  Event loop only."""
 
     def __init__(
         self,
@@ -81,7 +81,7 @@ class Room:
         self.viewers: set[Listener] = set()
         self.revision = 0
         self.cameras = False
-        """Whether cameras took pictures; False where a store that is away cannot tell."""
+        """Whether there are camera pictures; False while the store is unavailable."""
         self.board = Board(workspace.labels, run, self.id)
         self._touched: dict[int, int] = {}
         self._start = 0
@@ -91,7 +91,7 @@ class Room:
         self._tick: asyncio.TimerHandle | None = None
 
     async def load(self) -> None:
-        """Read the state that is kept here; commits that come meanwhile only repeat it."""
+        """Read the room's state; commits that arrive during the read only repeat it."""
         self.cameras = await self._run(self._has_pictures)
         if self.recording.manifest.large:
             self._loading = asyncio.ensure_future(self._run(load_loops))
@@ -101,12 +101,12 @@ class Room:
         try:
             return self.recording.has_pictures
         except (DamagedError, UnavailableError):
-            return False  # the cloud is shown all the same; a frame's pictures tell of themselves
+            return False  # the cloud is shown without pictures
 
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     def ready(self, piece: Piece, table: FrameTable) -> Ready | None:
-        """Return the result of ``points``, if nothing has to be read for it."""
+        """Return the result of ``points`` if it needs no read."""
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         least = self._touched.get(piece.frame, self._start)
         values = self._values.known(self._key(piece.frame, first, stop - first), least)
@@ -116,7 +116,7 @@ class Room:
         return None if data is None else (*values, data)
 
     async def points(self, piece: Piece, table: FrameTable) -> Ready:
-        """A piece's values as ``values_message`` has them, and the message of its points."""
+        """Return a piece's values as in ``values_message``, and the message of its points."""
         first, stop = table.firsts[piece.first], table.firsts[piece.stop]
         values, data = await asyncio.gather(
             self.values_message(piece.frame, first, stop - first), self.stock.message(piece)
@@ -124,9 +124,9 @@ class Room:
         return (*values, data)
 
     def expect(self, frame: int, level: int, *, depth: bool = False) -> None:
-        """A frame will be wanted up to a level soon: it is made while nobody waits for it.
+        """Prepare the messages of a frame up to a level before a viewer needs them.
 
-        Else all who follow the same recording would wait for each frame of the first round.
+        Otherwise the viewers that play a recording for the first time would wait at each frame.
         """
         table = self.stock.known_table(frame, depth=depth)
         if table is not None and self.ready(table.first_piece(frame, level), table) is not None:
@@ -137,7 +137,7 @@ class Room:
             task.add_done_callback(lambda _: self._expected.pop(key))
 
     async def _make(self, frame: int, level: int, depth: bool) -> None:
-        # Who needs it in the end is told what is wrong.
+        # The viewer that needs the frame gets the error.
         with contextlib.suppress(PointbrushError):
             table = await self.stock.table(frame, depth=depth)
             await self.points(table.first_piece(frame, level), table)
@@ -145,9 +145,9 @@ class Room:
     # ── values ───────────────────────────────────────────────────────────────────────────
 
     async def values_message(self, frame: int, first: int, count: int) -> tuple[int, bytes]:
-        """The values of a run of points as they are now, and a revision they include.
+        """Return the revision of the current values of a run of points, and their message.
 
-        Every commit up to that revision has been handed to the viewers' outboxes.
+        Every commit up to that revision is in the viewers' outboxes.
         """
         key = self._key(frame, first, count)
 
@@ -160,7 +160,7 @@ class Room:
         for _ in range(CATCH_UP_TRIES):
             if self.revision >= revision:
                 break
-            # The commit has been read, but its event is still on its way here.
+            # The commit has been read, but its event has not arrived yet.
             await asyncio.sleep(CATCH_UP_PAUSE)
         return revision, data
 
@@ -174,7 +174,7 @@ class Room:
         if commit.revision <= self.revision:
             return
         if commit.revision > self.revision + 1:
-            # Something in between did not come by here: what viewers hold is sent whole.
+            # Commits were missed: send all values of the frames that viewers have.
             for viewer in self.viewers:
                 viewer.all_stale()
                 viewer.boxes_changed(None)
@@ -183,12 +183,12 @@ class Room:
             self.board.all_changed()
         held = [f for f in commit.frames if any(viewer.holds(f) for viewer in self.viewers)]
         bases = {frame: self._touched.get(frame, self._start) for frame in held}
-        # From here on nobody gets older values, also while the deltas are encoded.
+        # From here on no viewer gets older values, even while the deltas are encoded.
         self._touched.update(dict.fromkeys(commit.frames, commit.revision))
         try:
             encoded = await self._encoded(commit, bases)
         except PointbrushError:
-            # The database is away: each frame is owed whole, and sent when it is back.
+            # The database is unavailable: queue all values of each frame until it is back.
             encoded, whole = [], held
         else:
             whole = [frame for frame in held if commit.frames[frame] is None]
@@ -217,9 +217,9 @@ class Room:
         self._gathered()
 
     def _gathered(self) -> None:
-        """Wake the viewers for what waits for them: at once after a pause, else with the tick.
+        """Wake the viewers for waiting messages: at once after a pause, else with the tick.
 
-        A viewer that is woken by each edit of a crowd does little else than to wake up.
+        Waking each viewer for each edit of many viewers would take most of the loop's time.
         """
         loop = asyncio.get_running_loop()
         if self._tick is None:
@@ -232,11 +232,11 @@ class Room:
 
     @property
     def tick_period(self) -> float:
-        """Seconds in which others' edits are gathered for a viewer: more in a crowd."""
+        """Return the seconds for which edits are collected; more with many viewers."""
         return max(TICK_SECONDS, TICK_SECONDS_A_VIEWER * len(self.viewers))
 
     async def _encoded(self, commit: Commit, bases: dict[int, int]) -> list[QueuedDelta]:
-        """A commit's part in each frame of ``bases`` that lists one, encoded once for all."""
+        """Encode a commit's delta in each frame of ``bases`` once for all viewers."""
         listed = {frame: delta for frame in bases if (delta := commit.frames[frame]) is not None}
 
         accounts = self.workspace.labels.accounts
@@ -250,14 +250,14 @@ class Room:
                 for frame, delta in listed.items()
             ]
 
-        # A tracking run touches many frames: too much to do while everybody waits.
+        # Encoding the frames of a tracking run here would block the event loop.
         if sum(map(len, listed.values())) > AT_ONCE:
             found: list[QueuedDelta] = await self._run(encode_all)
             return found
         return encode_all()
 
     def provisional(self, event: Provisional) -> None:
-        """Show points that a tracking run has just found."""
+        """Send provisional points of a tracking run to the viewers."""
         data = encode_provisional(self.id, event.frame, self.revision, event.numbers, event.labels)
         for viewer in self.viewers:
             if viewer.holds(event.frame):
@@ -265,10 +265,10 @@ class Room:
         self._gathered()
 
     async def since(self, revision: int) -> list[QueuedDelta] | None:
-        """Deltas of all commits after ``revision``, or None when that is too far back.
+        """Return the deltas of all commits after ``revision``, or None if that is too far back.
 
-        They reach as far as what the viewers have been told when this returns: a commit that
-        came while the others were read must not fall between the two.
+        They include every commit that the other viewers have when this returns, also the ones
+        that arrive during the read.
         """
         deltas: list[QueuedDelta] = []
         touched: dict[int, int] = {}
@@ -295,12 +295,12 @@ class Room:
 
     @property
     def states_period(self) -> float:
-        """Seconds between two messages of palette and timeline to a viewer: more in a crowd."""
+        """Return the seconds between two messages of palette and timeline to a viewer."""
         return max(STATES_PERIOD, STATES_PERIOD_EACH * len(self.viewers))
 
 
 def delta_message(commit: Commit, frame: int, delta: Delta, base: int, author: str) -> QueuedDelta:
-    """A commit's part in one frame, ready to be sent; ``author`` is the name that is shown."""
+    """Encode a commit's part in one frame; ``author`` is the displayed name."""
     data = encode_delta(
         commit.sequence, frame, commit.revision, base, delta, commit.edit_id, author
     )

@@ -15,20 +15,20 @@ SUBPROTOCOL_PREFIX = "pointbrush."
 
 
 def client_schema() -> dict[str, Any]:
-    """JSON schema of what a page may send: fields with a default may be left out."""
+    """Return the JSON schema of a page's messages; fields with a default are optional."""
     return TypeAdapter[Any](ClientMessage).json_schema(mode="validation")
 
 
 def server_schema() -> dict[str, Any]:
-    """JSON schema of what the server sends: every field is there."""
+    """Return the JSON schema of the server's messages; every field is present."""
     return TypeAdapter[Any](ServerMessage).json_schema(mode="serialization")
 
 
 @cache
 def schema_hash() -> str:
-    """12 hexadecimal digits that change with any message, field, type or limit.
+    """Return 12 hexadecimal digits that change with any message, field, type or limit.
 
-    Titles and descriptions are left out, so that better wording does not refuse a page.
+    Titles and descriptions are left out, so that a page stays valid if only their wording changes.
     """
     shape = [_without_prose(client_schema()), _without_prose(server_schema())]
     text = json.dumps(shape, sort_keys=True, separators=(",", ":"))
@@ -36,12 +36,12 @@ def schema_hash() -> str:
 
 
 def subprotocol() -> str:
-    """The WebSocket subprotocol that page and server agree on."""
+    """Return the WebSocket subprotocol of page and server."""
     return SUBPROTOCOL_PREFIX + schema_hash()
 
 
 def _without_prose(node: Any, *, names: bool = False) -> Any:
-    """Drop ``title`` and ``description`` of schemas, but not fields that are called so."""
+    """Remove ``title`` and ``description`` of schemas, but keep fields of these names."""
     if isinstance(node, dict):
         return {
             key: _without_prose(value, names=key in ("properties", "$defs") and not names)

@@ -1,4 +1,4 @@
-"""The one task that writes to a viewer: answers first, then edits, states, and points."""
+"""The task that writes to a viewer: answers first, then edits, states, and points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.streaming.viewer import Viewer
 
 VALUES_RUN = 4_000_000
-"""Points whose whole values go into one message at most."""
+"""Most points of one message of values."""
 LARGE_PIECE = 512 * 1024
 RETRY_SECONDS = 0.5
 
@@ -26,10 +26,10 @@ class Sender:
         self._idle = True
 
     async def run(self) -> None:
-        """Send whatever there is; sleep when there is nothing."""
+        """Send waiting messages and points; sleep while there are none."""
         points = True
         while True:
-            # To look for points again takes longer than to send an edit of somebody else's.
+            # Looking for points takes longer than sending another viewer's edit.
             points = self._outbox.wake.clear() or points
             try:
                 if not self._outbox.quiet:
@@ -38,10 +38,10 @@ class Sender:
                 if not points:
                     await self._rest()
             except UnavailableError:
-                # The database is away: what was to be sent is still noted, and waits for it.
+                # The database is unavailable: messages stay queued until it is back.
                 await asyncio.sleep(RETRY_SECONDS)
             except PointbrushError as error:
-                # Deleted, perhaps by another server, before anybody here could be told.
+                # The sequence was deleted, perhaps by another server, before its event arrived.
                 self._hub.send_out(self._viewer, error)
 
     async def _rest(self) -> None:
@@ -67,8 +67,8 @@ class Sender:
             await send(outbox.presence.pop(next(iter(outbox.presence))))
 
     async def _deltas(self, up_to: int | None = None) -> None:
-        # None while values are owed: a viewer counts what it has by the newest delta that came,
-        # and if the link broke now, it would not be told again what it was owed before that.
+        # No deltas before queued values: the newest delta sets the viewer's revision, and after a
+        # lost connection the viewer would resume behind values that it never received.
         if not self._outbox.stale:
             deltas = []
             while (delta := self._outbox.next_delta(up_to)) is not None:
@@ -88,26 +88,26 @@ class Sender:
                 self._give_up(room, frame, error)
 
     async def _anew(self, room: Room, frame: int) -> None:
-        """All values of a frame.
+        """Send all values of a frame.
 
-        Deltas that come while a large one is sent wait: they go over its runs again, in order,
-        whichever of them each run had in it already.
+        Deltas that arrive while a large frame is sent wait and follow in order; applying a delta
+        that a run already includes changes nothing.
         """
         runs = self._runs(room, frame, await room.stock.table(frame))
-        # From here on deltas of this frame come to the outbox again: nothing falls between.
+        # From here on the outbox takes deltas of this frame again, so that none is missed.
         self._outbox.stale.pop(frame, None)
         oldest = None
         for first, count in runs:
             revision, data = await room.values_message(frame, first, count)
             if self._viewer.room is not room:
-                return  # it has opened another one meanwhile
+                return  # the viewer has opened another sequence
             oldest = revision if oldest is None else oldest
-            # What the first run had in it, all have.
+            # Every run includes the edits of the first one.
             self._outbox.drop(frame, oldest)
             await self._viewer.send(data)
 
     def _runs(self, room: Room, frame: int, table: FrameTable) -> list[tuple[int, int]]:
-        """First point and number of the runs of a frame that a viewer may have points of."""
+        """Return first point and length of each run of a frame that a viewer may have."""
         viewer, spans = self._viewer, [(0, table.firsts[-1])]
         if room.recording.manifest.large and not viewer.resumed:
             chunks = viewer.plan.chunks.get(frame)
@@ -135,7 +135,7 @@ class Sender:
         if room is None or pause is None or pause > 0:
             return
         self._states_time = viewer.now()
-        # Cleared first: what changes while we read is sent the next time.
+        # Cleared before the read: later changes are sent the next time.
         labels, outbox.labels = outbox.labels, False
         cells = None if outbox.all_cells else frozenset(outbox.cells)
         outbox.cells, outbox.all_cells = set(), False
@@ -162,11 +162,11 @@ class Sender:
     # ── points ───────────────────────────────────────────────────────────────────────────
 
     async def _points(self) -> bool:
-        """Send one piece; False when there is none, or no room for it on the link."""
+        """Send one piece; return False if there is none, or if the link is full."""
         viewer = self._viewer
         room, plan = viewer.room, viewer.plan
         if room is None or viewer.catching_up:
-            # What it missed goes first: older deltas must not come behind newer values.
+            # Missed deltas go first: they must not follow newer values.
             return False
         if not plan.link.has_room:
             self._idle = False
@@ -177,7 +177,7 @@ class Sender:
             return False
         held = plan.held.get(piece.frame)
         await self._hub.load.turn()
-        # The viewer may have opened a sequence meanwhile, or given the frame up.
+        # The viewer may have opened another sequence or dropped the frame during the wait.
         same = viewer.room is room and viewer.plan is plan and not viewer.catching_up
         if same and plan.held.get(piece.frame) == held:
             try:
@@ -189,9 +189,9 @@ class Sender:
         return True
 
     def _give_up(self, room: Room, frame: int, error: PointbrushError) -> None:
-        """Tell the viewer, once, that a frame cannot be read; the others still come.
+        """Report once to the viewer that a frame cannot be read; other frames are still sent.
 
-        Of a recording that was deleted meanwhile no frame comes, which is told instead.
+        If the recording was deleted, report this instead and close it.
         """
         if self._viewer.room is not room:
             return
@@ -204,7 +204,7 @@ class Sender:
             self._viewer.refuse(error)
 
     async def _table(self, room: Room, frame: int) -> FrameTable | None:
-        """The levels of a frame; None when it cannot be read."""
+        """Return the levels of a frame, or None if it cannot be read."""
         if frame in self._viewer.plan.damaged:
             return None
         try:
@@ -237,7 +237,7 @@ class Sender:
         return None
 
     async def _next_wanted(self, room: Room) -> Piece | None:
-        """The root of the frame in view first, then runs of the chunks asked for."""
+        """Return the root of the shown frame first, then runs of requested chunks."""
         viewer = self._viewer
         plan = viewer.plan
         frame = plan.focus if plan.clock is None else plan.clock.due(viewer.now())
@@ -267,7 +267,7 @@ class Sender:
         plan = viewer.plan
         table = await self._levels(room, piece.frame, depth=piece.depth)
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
-        # From here on deltas of this frame come to the outbox: nothing falls between.
+        # From here on the outbox takes deltas of this frame, so that none is missed.
         self._hub.skipped(plan.sent(piece, viewer.now()))
         try:
             ready = room.ready(piece, table) or await room.points(piece, table)
@@ -277,14 +277,14 @@ class Sender:
         revision, values, (head, data) = ready
         nbytes = len(head) + len(data)
         if self._outbox.stale:
-            # What is owed goes first, and these values are then read again.
+            # Queued values go first; the values of this piece are read again after them.
             plan.unsent(piece, held)
             return
         if anew:
-            # A delta ahead of its first values would build on what the viewer does not have.
+            # The viewer has no values yet that a delta before these could apply to.
             self._outbox.drop(piece.frame, revision)
         else:
-            # Older deltas go first: a viewer that applies everything as it comes is always right.
+            # Older deltas go first, so that a viewer can apply messages in order of arrival.
             await self._deltas(revision)
         self._note(room, piece, anew=anew)
         for frame in plan.coming(piece):
@@ -295,7 +295,7 @@ class Sender:
         self._hub.sent(nbytes)
 
     def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
-        """Note the chunks of a large frame that are on their way."""
+        """Record the chunks of a large frame that are being sent."""
         viewer = self._viewer
         if not room.recording.manifest.large:
             return

@@ -1,8 +1,8 @@
-"""One viewer's session: takes its messages, follows its clock, sends what it should see.
+"""One viewer's session: reads its messages, follows its clock, and sends its frames.
 
-Four tasks: the caller's feeds ``receive``; one sends, so that messages keep their order; one
-applies edits in the order they came, so that a slow commit holds up no credit; one answers the
-newest question.
+A session has four tasks: the caller's task calls ``receive``; one sends, so that messages keep
+their order; one applies edits in order of arrival, so that a slow commit delays no credit; one
+answers the newest ``ask`` message.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ from pointbrush.streaming.viewer import CREDITS, Send, SendEach, Viewer
 from pointbrush.work.annotate.overlays import require_overlaid
 
 HEARD_A_TURN = 8
-"""Messages of one viewer that are heard in one turn of the event loop."""
+"""Messages of one viewer that are handled in one iteration of the event loop."""
 SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in EDITS))
 """Types of messages that wait for files, the database, or each other."""
 
 
 class ViewerSession(Viewer):
-    """A viewer and what it says."""
+    """A viewer and the handlers of its messages."""
 
     def __init__(
         self,
@@ -59,12 +59,12 @@ class ViewerSession(Viewer):
         sees: Callable[[Job], bool] | None = None,
         send_each: SendEach | None = None,
     ) -> None:
-        """``author`` is the account that edits are by, ``name`` what is shown for it.
+        """``author``: the account of the viewer's edits; ``name``: its displayed name.
 
-        ``shared``: several people may use this token, and the name in ``hello`` is what is shown.
-        ``require_admitted`` raises UnauthorizedError once the viewer's token lets nobody in.
-        ``role_in``: the role in a recording, None: it is not for them; unless given ``role``.
-        ``sees``: whether a job is for them; unless given each is.
+        ``shared``: several people may use this token, and ``hello`` sets the displayed name.
+        ``require_admitted`` raises UnauthorizedError once the viewer's token is not valid.
+        ``role_in`` returns the role in a recording, or None without access; default: ``role``.
+        ``sees`` returns whether the viewer may see a job; default: every job.
         """
         super().__init__(
             send,
@@ -79,13 +79,13 @@ class ViewerSession(Viewer):
         self._role_in = role_in or (lambda _: role)
         self._sees = sees or (lambda _: True)
         self.expelled = False
-        """Its token lets nobody in any more."""
+        """The viewer's token is no longer valid."""
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)
         self._asker = Asker(self, hub)
         self._deaf = False
         self._hearing = False
-        """Whether a message is acted on that takes its time: later ones wait."""
+        """A slow message is being handled; later ones wait."""
         self._handlers: dict[type, Callable[[Any], None]] = {
             messages.Play: self._play,
             messages.Pause: self._pause,
@@ -100,7 +100,7 @@ class ViewerSession(Viewer):
     # ── life ─────────────────────────────────────────────────────────────────────────────
 
     async def run(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
-        """Serve until ``receive`` gives None, the link breaks, or the server closes."""
+        """Serve until ``receive`` returns None, the connection ends, or the server closes."""
         self.hub.join(self)
         tasks = [
             asyncio.create_task(self._listen(receive)),
@@ -121,7 +121,7 @@ class ViewerSession(Viewer):
             self.hub.leave(self)
 
     async def drain(self) -> None:
-        """Hear nothing more and answer what was heard: the server is about to stop."""
+        """Read no more messages and answer the received ones, before the server stops."""
         self._deaf = True
         await self._editor.idle()
         while self.outbox.replies:
@@ -136,14 +136,14 @@ class ViewerSession(Viewer):
         return self._sees(job)
 
     def require_admitted(self) -> None:
-        """Raise UnauthorizedError once its token lets nobody in any more."""
+        """Raise UnauthorizedError once the viewer's token is not valid."""
         self._require_admitted()
         room = self.room
         if room is not None and self._role_in(room.id) != self.role:
             raise UnauthorizedError("expected the role that this recording was opened with")
 
     def expel(self) -> None:
-        """End the session: its token lets nobody in any more."""
+        """End the session, because its token is no longer valid."""
         self.expelled = True
         self.closing.set()
 
@@ -157,16 +157,16 @@ class ViewerSession(Viewer):
             self._hearing = False
             heard += 1
             if heard % HEARD_A_TURN == 0:
-                # Thousands of small messages can come in one piece: everybody's turn meanwhile.
+                # Thousands of small messages can arrive at once: let other viewers have a turn.
                 await asyncio.sleep(0)
             while self.outbox.crowded:
-                # Who does not read its answers is not heard until it does.
+                # Read no further messages until the viewer reads its answers.
                 await asyncio.sleep(0.05)
 
     def hear(self, data: bytes) -> bool:
-        """Act on a message at once, or not at all: then it must come by ``run``'s ``receive``.
+        """Handle a message at once and return True, or leave it to ``run``'s ``receive``.
 
-        What takes time waits for its turn there, and so does what comes behind it.
+        Slow messages, and all messages after them, wait for their turn there.
         """
         if self._deaf or self._hearing or self.outbox.crowded:
             return False
@@ -180,7 +180,7 @@ class ViewerSession(Viewer):
         return True
 
     async def receive(self, data: bytes) -> None:
-        """Act on one message; anything wrong with it is answered with ``error``."""
+        """Handle one message; answer an invalid one with ``error``."""
         about = None
         try:
             long = len(data) > LONG_BYTES
@@ -200,7 +200,7 @@ class ViewerSession(Viewer):
             self.refuse(error, about)
 
     def _act(self, message: messages.ClientMessage) -> None:
-        """Act on a message; a refusal names the message's id, where it has one."""
+        """Handle a message; a refusal contains the message's id, if it has one."""
         try:
             require(self.role, MESSAGES[message.type])
             self._handlers[type(message)](message)
@@ -215,7 +215,7 @@ class ViewerSession(Viewer):
         return self._editor.waiting
 
     async def reopen(self) -> None:
-        """The sequence's manifest changed, or the sequence has gone, or is another by now."""
+        """Open the sequence again after its manifest or import changed, or after its deletion."""
         old = self.room
         if old is None:
             return
@@ -233,7 +233,7 @@ class ViewerSession(Viewer):
         self.outbox.wake.set()
 
     def _begin(self, room: Room, frame: int) -> None:
-        """Nothing of the room's sequence is here yet."""
+        """Start a sequence of which the viewer has no data."""
         self.outbox.restart()
         self.plan = Plan(len(room.recording), self.plan.link, self.plan.load, self.plan.page)
         self.plan.focus, self.wanted, self.resumed = frame, None, False
@@ -260,13 +260,13 @@ class ViewerSession(Viewer):
             self.outbox.reply(compiling(step, progress))
 
     def _choose_name(self, name: str) -> None:
-        """Show another name for who shares the server's own token; in a thread."""
+        """Set the displayed name of a user of the server's shared token; in a thread."""
         if self.author.partition(MARK)[0] == OWNER:
-            # No session tells them apart: the name does, and is no token's account.
+            # These users share an account: the name distinguishes them, and is not an account.
             require_name(name)
             self.author = f"{OWNER}{MARK}{name}"
         else:
-            with contextlib.suppress(ReadOnlyError):  # nothing is edited there
+            with contextlib.suppress(ReadOnlyError):  # a read-only workspace keeps no names
                 self.hub.workspace.labels.accounts.rename(self.author, name)
         self.name = name
 
@@ -289,7 +289,7 @@ class ViewerSession(Viewer):
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.everything()
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
-        with contextlib.suppress(UnavailableError):  # then each is told when it changes
+        with contextlib.suppress(UnavailableError):  # then the next change of a job sends it
             for job in self.hub.workspace.jobs.all():
                 if job.state in ("queued", "running"):
                     await self.hub.tell_job(job, [self])
@@ -298,14 +298,14 @@ class ViewerSession(Viewer):
         self.outbox.wake.set()
 
     async def _catch_up(self, room: Room, revision: int) -> None:
-        """Deltas since ``revision``, or the values of all frames whole when it is too far back."""
+        """Queue the deltas since ``revision``, or all values if it is too far back."""
         self.outbox.clear_deltas()
-        # What is committed meanwhile comes with the rest, in order, and not ahead of it.
+        # Commits that arrive during the read are queued in order with the others.
         self.catching_up = True
         try:
             deltas = await room.since(revision)
         except UnavailableError:
-            deltas = None  # the database is away: what it holds is owed until it is back
+            deltas = None  # the database is unavailable: queue all values until it is back
         finally:
             self.catching_up = False
         if deltas is None:
@@ -348,7 +348,7 @@ class ViewerSession(Viewer):
             message.frame_ms, message.target_ms, message.points, self.plan.shown_points, now
         )
         if waited or page.asked != asked:
-            # Else the sender sleeps for another reason, which has not passed.
+            # Otherwise the sender sleeps for another reason, which still holds.
             self.outbox.wake.set()
 
     def _forget(self, message: messages.Forget) -> None:

@@ -1,4 +1,4 @@
-"""A frame's levels as running totals: what a prefix of its chunks costs and shows; pieces of it."""
+"""A frame's levels as running totals: bytes and points of a prefix of its chunks; its pieces."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ LARGEST_PIECE = 2 * 2**20
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is the clock's.
+    """Chunks [first, stop) of a frame; ``final`` completes it, ``step`` is a step of the clock.
 
-    ``depth``: as parts of its depth image.
+    ``depth``: the chunks are sent as parts of the frame's depth image.
     """
 
     frame: int
@@ -33,8 +33,8 @@ class FrameTable:
     """``stops[l]`` chunks, ``nbytes[l]`` bytes and ``points[l]`` points up to level ``l``.
 
     ``ends[c]`` is the end of chunk ``c`` in the wire file, ``firsts[c]`` its first point and
-    ``firsts[-1]`` the number of points.  ``base``: where the first chunk begins there.  ``depth``:
-    what is counted are the parts of a depth image.
+    ``firsts[-1]`` the number of points.  ``base``: offset of the first chunk in the wire file.
+    ``depth``: the counts are of the parts of a depth image.
     """
 
     stops: tuple[int, ...]
@@ -47,9 +47,9 @@ class FrameTable:
 
     @classmethod
     def of(cls, frame: StoredFrame, *, depth: bool = False) -> FrameTable:
-        """The table of a stored frame, or of its ``depth`` image, where it has one.
+        """Return the table of a stored frame, or of its ``depth`` image if it has one.
 
-        An octree counts as its root and the rest.
+        An octree has two levels: its root and all other chunks.
         """
         table = frame.chunk_table
         ends, base = (table["offset"] + table["nbytes"]).astype(np.int64), 0
@@ -76,27 +76,27 @@ class FrameTable:
         return len(self.ends)
 
     def spans(self, chunks: Collection[int]) -> list[tuple[int, int]]:
-        """First point and end of each run of neighbouring ``chunks``, in order."""
+        """Return first point and end of each run of consecutive ``chunks``, in order."""
         numbers = np.unique(np.fromiter(chunks, np.int64, len(chunks)))
         runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
         return [(self.firsts[run[0]], self.firsts[run[-1] + 1]) for run in runs if len(run)]
 
     def start(self, chunk: int) -> int:
-        """Offset of a chunk in the wire file."""
+        """Return the offset of a chunk in the wire file."""
         return self.ends[chunk - 1] if chunk else self.base
 
     def size(self, first: int, stop: int) -> int:
-        """Bytes of chunks [first, stop)."""
+        """Return the number of bytes of chunks [first, stop)."""
         return self.start(stop) - self.start(first)
 
     def level_within(self, nbytes: float, points: float) -> int:
-        """The finest level whose prefix fits; 0 when none does."""
+        """Return the finest level with a prefix that fits, or 0 if none fits."""
         by_bytes = bisect_right(self.nbytes, nbytes)
         by_points = bisect_right(self.points, points)
         return max(0, min(by_bytes, by_points) - 1)
 
     def stop_within(self, first: int, stop: int, nbytes: int) -> int:
-        """The longest run from ``first`` to at most ``stop`` of ``nbytes``; at least one chunk."""
+        """Return the end of the longest run in [first, stop) within ``nbytes``, or of one chunk."""
         fits = bisect_right(self.ends, self.start(first) + nbytes)
         return max(first + 1, min(stop, fits)) if first < stop else stop
 

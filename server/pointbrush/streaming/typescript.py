@@ -23,7 +23,7 @@ Schema = dict[str, Any]
 
 
 def generate() -> str:
-    """The whole TypeScript module, ending in a newline."""
+    """Return the whole TypeScript module, ending in a newline."""
     client, server, report = client_schema(), server_schema(), HeadsetReport.model_json_schema()
     parts = [
         "// Generated from streaming/messages/ and headset_report/ of server/pointbrush by\n"
@@ -46,7 +46,7 @@ def generate() -> str:
 
 
 def interface(name: str, definition: Schema, *, complete: bool) -> str:
-    """One model as an ``export interface``; ``complete``: the sender fills every field in."""
+    """Return a model as an ``export interface``; ``complete``: the sender fills in every field."""
     required = set(definition.get("required", ()))
     lines = [*comment(definition, ""), f"export interface {name} {{"]
     for field, schema in definition["properties"].items():
@@ -57,7 +57,7 @@ def interface(name: str, definition: Schema, *, complete: bool) -> str:
 
 
 def type_of(schema: Schema) -> str:
-    """A JSON schema as a TypeScript type; raises ValueError for what no message uses."""
+    """Return a JSON schema as a TypeScript type; raise ValueError for an unsupported schema."""
     if "$ref" in schema:
         return str(schema["$ref"]).rpartition("/")[2]
     if "const" in schema:
@@ -79,7 +79,7 @@ def type_of(schema: Schema) -> str:
 
 
 def array_of(schema: Schema) -> str:
-    """A short array of fixed length as a tuple, any other as a plain array."""
+    """Return a short array of fixed length as a tuple, any other as a plain array."""
     item = type_of(schema["items"])
     length = schema.get("minItems")
     if length is not None and length == schema.get("maxItems") and length <= LONGEST_TUPLE:
@@ -88,13 +88,13 @@ def array_of(schema: Schema) -> str:
 
 
 def union(name: str, schema: Schema) -> str:
-    """The messages that one side sends, told apart by ``type``."""
+    """Return the union of the messages of one side, discriminated by ``type``."""
     members = [type_of(option) for option in schema["oneOf"]]
     return "\n".join([f"export type {name} =", *(f"  | {member}" for member in members)]) + ";\n"
 
 
 def comment(schema: Schema, indent: str) -> list[str]:
-    """The description as a JSDoc block, or nothing."""
+    """Return the description as the lines of a JSDoc block, or no lines."""
     text = schema.get("description")
     if not text:
         return []
@@ -106,7 +106,7 @@ def comment(schema: Schema, indent: str) -> list[str]:
 
 
 def quoted(value: object) -> str:
-    """A string literal as prettier writes it."""
+    """Return a string literal as prettier writes it."""
     return f"'{value}'" if isinstance(value, str) else str(value)
 
 

@@ -1,4 +1,4 @@
-"""State of one viewer: identity, view, the points that it has, and those that wait for it."""
+"""State of one viewer: identity, view, its points, and the messages that wait for it."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from pointbrush.streaming.shared.presence import color_of
 from pointbrush.streaming.shared.status import status_of
 
 CREDITS = 8
-"""Frame messages that may be on their way to a viewer; their bytes are bounded besides."""
+"""Frame messages that may be in flight to a viewer; the link bounds their bytes as well."""
 
 
 class Send(Protocol):
-    """Send a message; waits while the viewer reads more slowly than it is sent to."""
+    """Sends a message; waits while the viewer reads too slowly."""
 
     async def __call__(self, *parts: bytes | memoryview, before: bytes | None = None) -> None:
-        """Send one message whose bytes are ``parts``; ``before``: and one ahead of it."""
+        """Send one message of the bytes ``parts``; ``before``: a message to send ahead of it."""
 
 
 SendEach = Callable[[Sequence[bytes]], Awaitable[None]]
-"""Sends several messages, in order and in one piece."""
+"""Sends several messages in order, in one write."""
 
 
 class Viewer(ABC):
@@ -48,7 +48,7 @@ class Viewer(ABC):
         send_each: SendEach | None = None,
         public: Callable[[str], str],
     ) -> None:
-        """``load``: what the server has time for; ``public``: what clients may read of a text."""
+        """``load``: the server's load; ``public`` returns the part of a text for clients."""
         self.public = public
         self.send, self.send_each = send, send_each or self._one_by_one
         self.id = uuid.uuid4().hex[:16]
@@ -58,17 +58,17 @@ class Viewer(ABC):
         self.outbox = Outbox()
         self.plan = Plan(frames=1, link=Link(CREDITS), load=load)
         self.wanted: tuple[int, list[int]] | None = None
-        """A frame of a large sequence and the chunks it asks for, most wanted first."""
+        """A frame of a large sequence and its requested chunks, in order of urgency."""
         self.depth = False
         """The viewer's page reads depth images."""
         self.resumed = False
-        """Whether it came back without saying which frames it has."""
+        """The viewer resumed without a list of its frames."""
         self.catching_up = False
 
     @property
     @abstractmethod
     def waiting_edits(self) -> int:
-        """Edits that have come and are not answered yet."""
+        """Number of received edits without an answer."""
 
     async def _one_by_one(self, data: Sequence[bytes]) -> None:
         for one in data:
@@ -76,30 +76,30 @@ class Viewer(ABC):
 
     @abstractmethod
     async def reopen(self) -> None:
-        """The sequence's manifest changed, or the sequence has gone, or is another by now."""
+        """Open the sequence again after its manifest or import changed, or after its deletion."""
 
     @abstractmethod
     async def drain(self) -> None:
-        """Hear nothing more and answer what was heard: the server is about to stop."""
+        """Read no more messages and answer the received ones, before the server stops."""
 
     @abstractmethod
     def require_admitted(self) -> None:
-        """Raise UnauthorizedError once its token lets nobody in any more; may read the database."""
+        """Raise UnauthorizedError once the token is not valid; may read the database."""
 
     @abstractmethod
     def may_see(self, job: Job) -> bool:
-        """Return whether a job is for who looks; may read the database."""
+        """Return whether the viewer may see a job; may read the database."""
 
     @abstractmethod
     def expel(self) -> None:
-        """End the session: its token lets nobody in any more."""
+        """End the session, because its token is no longer valid."""
 
     @abstractmethod
     def close(self) -> None:
         """End the session: the server stops."""
 
     def now(self) -> float:
-        """Seconds on a clock that only runs forward."""
+        """Return the seconds of a monotonic clock."""
         return time.monotonic()
 
     def refuse(
@@ -116,42 +116,42 @@ class Viewer(ABC):
         self.outbox.reply(encode(message))
 
     def require_room(self) -> Room:
-        """The open sequence's room; raises BadInputError when none is open."""
+        """Return the room of the open sequence; raise BadInputError if none is open."""
         if self.room is None:
             raise BadInputError("expected 'open' before this message")
         return self.room
 
-    # ── what others change ───────────────────────────────────────────────────────────────
+    # ── changes by other viewers ─────────────────────────────────────────────────────────
 
     def holds(self, frame: int) -> bool:
-        """Whether the viewer must hear of changes in a frame."""
+        """Return whether the viewer needs the changes of a frame."""
         if self.catching_up or frame in self.outbox.stale:
             return False
         return self.has(frame)
 
     def has(self, frame: int) -> bool:
-        """Whether the viewer may have points of a frame."""
+        """Return whether the viewer may have points of a frame."""
         return self.resumed or frame in self.plan.held
 
     def stale(self, frames: Iterable[int]) -> None:
-        """Values of these frames must be sent whole."""
+        """Queue all values of these frames."""
         owed = [frame for frame in frames if self.has(frame)]
         if owed:
             self.outbox.stale.update(dict.fromkeys(owed))
             self.outbox.wake.set()
 
     def all_stale(self) -> None:
-        """Values of everything that the viewer holds must be sent whole."""
+        """Queue all values of the frames that the viewer has."""
         self.outbox.clear_deltas()
         self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
 
     def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
-        """Palette, counts or timeline changed; it goes out when the room wakes the viewer."""
+        """Queue changes of palette, counts or timeline until the room wakes the viewer."""
         self.outbox.labels = True
         self.outbox.cells |= cells
         self.outbox.all_cells |= everything
 
     def boxes_changed(self, boxes: Iterable[int] | None) -> None:
-        """Boxes of these ids changed, or any, None; they go out with the palette."""
+        """Queue the boxes of these ids, or all boxes: None; they are sent with the palette."""
         self.outbox.boxes.update(boxes or ())
         self.outbox.all_boxes |= boxes is None

@@ -246,7 +246,7 @@ export interface Want {
  * Delta: ``lengths`` holds sorted uint32 point numbers, ``values`` one uint16 for each, or a
  * single one for all.  A client that applies all messages in order of arrival is always right.
  * ``base`` is not older than the last change of the frame and not newer than the viewer's labels.
- * A client whose labels of the frame are older than ``base`` has missed a message and sends
+ * A client with labels of the frame older than ``base`` has missed a message and sends
  * ``open`` with the last revision that it knows to be complete.  The server answers ``sequence``,
  * which holds for all frames of the client; the deltas up to its revision follow.
  */

@@ -7,7 +7,7 @@ of the frame store); coordinates are metres in the source's frame unless a field
 Packed arrays are little-endian ``bytes``.
 """
 
-# All of them, under one name: a message that is added is said once.
+# Star imports: a new message needs no second entry here.
 from pointbrush.streaming.messages.client import *  # noqa: F403
 from pointbrush.streaming.messages.server import *  # noqa: F403
 from pointbrush.streaming.messages.values import *  # noqa: F403

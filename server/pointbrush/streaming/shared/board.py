@@ -24,9 +24,9 @@ CELL = np.dtype(
 """A cell in the arrays of the timeline's message."""
 STATES = ("none", "painted", "tracked", "occluded", "lost")
 LABELS_OWN = ("undo", "redo")
-"""Fields of the labels' message that are the author's own; they come last in it."""
+"""Fields of the labels' message that depend on the author; they are its last fields."""
 MESSAGES_BYTES = 2 * 2**20
-"""Memory for messages that viewers share: the newest, which all want in the same moment."""
+"""Memory for messages that viewers share: the newest ones, which all need at the same time."""
 
 
 class Board:
@@ -48,15 +48,15 @@ class Board:
         self._palette_stale = self._tracks_stale = False
         self._refreshing = asyncio.Lock()
         self._totals: dict[int, int] = {}
-        """Points of each label in all frames together."""
+        """Number of points of each label in all frames."""
         self._edited: dict[str, int] = {}
-        """Revision of each author's last edit: of what they can take back."""
+        """Revision of each author's last edit, which an undo would take back."""
         self._all_edited = 0
         self._shared: tuple[int, bytes] = (-1, b"")
-        """The part of the labels' message that all authors have, and the revision it is of."""
+        """Revision and bytes of the part of the labels' message that is equal for all authors."""
 
     async def load(self) -> int:
-        """Read everything; returns the revision.  Commits that come meanwhile only repeat it."""
+        """Read everything and return the revision; commits during the read only repeat it."""
 
         def read() -> tuple[int, list[Label], Any, list[dict[str, Any]]]:
             store, sequence = self._store, self._sequence
@@ -74,7 +74,7 @@ class Board:
         return self.revision
 
     def committed(self, commit: Commit) -> set[Place]:
-        """Take in a commit; returns the cells that it changed."""
+        """Apply a commit to the state; return the cells that it changed."""
         self.revision = commit.revision
         for cell in commit.cells:
             self._put(cell)
@@ -91,7 +91,7 @@ class Board:
         self._totals[cell.label] = self._totals.get(cell.label, 0) + change
 
     def all_changed(self) -> None:
-        """Commits were missed: nothing here may be right."""
+        """Mark the state as stale after missed commits."""
         self._all_edited = self.revision + 1
         self._palette_stale = self._tracks_stale = True
 
@@ -101,7 +101,7 @@ class Board:
 
     async def refresh(self) -> None:
         """Read palette and tracks again if a commit changed them."""
-        # While one viewer's task reads, the others must wait: what is here is still the old.
+        # Other viewers must wait during the read: the state is old until then.
         async with self._refreshing:
             if self._palette_stale:
                 self._palette_stale = False
@@ -112,10 +112,10 @@ class Board:
                 self.tracks = by_cell(await self._run(self._store.tracks, self._sequence))
 
     async def labels_message(self, author: str) -> bytes:
-        """The palette, its counts, and what this author can take back.
+        """Return the message of palette, counts, and the author's undo and redo.
 
-        Nearly all of it is the same for everybody, and packed once; an author's own part changes
-        by their edits alone.
+        The part that is equal for all authors is encoded once; an author's part changes only
+        with their edits.
         """
         own = await self._own_part(author)
         if self._shared[0] != self.revision:
@@ -145,7 +145,7 @@ class Board:
         return (await self._messages.get(("stacks", author), make, least))[1]
 
     async def boxes_message(self, boxes: frozenset[int] | None) -> bytes:
-        """The boxes of these ids, or all of them."""
+        """Return the message of the boxes of these ids, or of all boxes."""
 
         def read() -> Versioned:
             found = self._store.boxes.listing(self._sequence, ids=boxes)
@@ -164,7 +164,7 @@ class Board:
         ]
 
     async def timeline_message(self, cells: frozenset[Place] | None) -> bytes:
-        """The given cells (frame, label), or all that are not empty."""
+        """Return the message of the given cells (frame, label), or of all that are not empty."""
         revision = self.revision
 
         async def make() -> Versioned:
@@ -173,7 +173,7 @@ class Board:
         return (await self._messages.get(("timeline", cells), make, revision))[1]
 
     def timeline(self, cells: Iterable[Place] | None) -> messages.Timeline:
-        """The given cells, or all that are not empty."""
+        """Return the given cells, or all that are not empty."""
         chosen = self.cells.keys() | self.tracks.keys() if cells is None else cells
         rows = np.array([self._cell(*place) for place in sorted(chosen)], CELL)
         if cells is None:
@@ -191,7 +191,7 @@ class Board:
         )
 
     def _cell(self, frame: int, label: int) -> tuple[float, ...]:
-        """The fields of ``CELL``."""
+        """Return the fields of ``CELL``."""
         cell = self.cells.get((frame, label))
         points, painted = (cell.points, cell.painted) if cell else (0, 0)
         track = self.tracks.get((frame, label))
@@ -201,10 +201,10 @@ class Board:
 
 
 def by_cell(tracks: Iterable[dict[str, Any]]) -> dict[Place, dict[str, Any]]:
-    """Tracks by frame and label."""
+    """Return the tracks by frame and label."""
     return {(int(track["frame"]), int(track["label"])): track for track in tracks}
 
 
 def message_of(label: Label) -> messages.Label:
-    """A label as viewers need it."""
+    """Return the message of a label."""
     return messages.Label(**{name: getattr(label, name) for name in messages.Label.model_fields})

@@ -1,4 +1,4 @@
-"""Encoded messages that several viewers need, under a budget of bytes; each is made once."""
+"""Cache of encoded messages that several viewers need, within a budget of bytes."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Hashable
 
 Versioned = tuple[int, bytes]
-"""A message, and the revision it is of."""
+"""The revision of a message, and its bytes."""
 ENTRY_BYTES = 512
-"""Bytes of memory of an entry beside its message: its key above all."""
+"""Memory of an entry in addition to its message, mostly for its key."""
 
 
 class MessageCache:
-    """Least recently used bytes by key; concurrent askers share one making."""
+    """LRU cache of bytes by key; concurrent calls for a key share one task."""
 
     def __init__(self, budget: int) -> None:
         self._budget = budget
@@ -22,7 +22,7 @@ class MessageCache:
         self.nbytes = 0
 
     def known(self, key: Hashable, least: int = 0) -> Versioned | None:
-        """The bytes of ``key``, of revision ``least`` or newer, if they are here."""
+        """Return the cached message of ``key`` of revision ``least`` or newer, or None."""
         found = self._entries.get(key)
         if found is None or found[0] < least:
             return None
@@ -32,15 +32,15 @@ class MessageCache:
     async def get(
         self, key: Hashable, make: Callable[[], Awaitable[Versioned]], least: int = 0
     ) -> Versioned:
-        """The bytes of ``key``, of revision ``least`` or newer; ``make`` is awaited if need be.
+        """Return the message of ``key`` of revision ``least`` or newer; await ``make`` if needed.
 
-        It runs in a task of its own: an asker that goes away takes nothing from the others.
+        ``make`` runs in a separate task, so that cancelling one caller does not affect the others.
         """
         found = self.known(key, least)
         if found is not None:
             return found
         made = await self._join(key, make)
-        # What others had begun to make may have been read before the change.
+        # A task started by another caller may have read its data before the change.
         return made if made[0] >= least else await self._join(key, make)
 
     async def _join(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
@@ -67,5 +67,5 @@ class MessageCache:
 
 
 def cost(made: Versioned) -> int:
-    """Bytes of memory of a message that is kept."""
+    """Return the memory of a cached message in bytes."""
     return ENTRY_BYTES + len(made[1])

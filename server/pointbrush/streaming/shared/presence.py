@@ -1,4 +1,4 @@
-"""Presence of everybody: the newest place of each viewer, relayed at a bounded rate."""
+"""Presence of all viewers: the newest place of each, relayed at a bounded rate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ RELAYS_PER_SECOND = 20_000
 
 
 def color_of(viewer: str) -> str:
-    """A colour for somebody who chose none."""
+    """Return the default colour of a viewer."""
     return COLORS[int(viewer[:8], 16) % len(COLORS)]
 
 
@@ -23,26 +23,26 @@ class Presence:
         self._last: dict[tuple[str, str], messages.ServerPresence] = {}
 
     def put(self, sequence: str, presence: messages.ServerPresence) -> None:
-        """A viewer moved."""
+        """Store the new place of a viewer."""
         self._last[sequence, presence.viewer] = presence
         self._changed.setdefault(sequence, {})[presence.viewer] = encode(presence)
 
     def take(self) -> dict[str, dict[str, bytes]]:
-        """Take the changes since the last time."""
+        """Remove and return the changes since the last call."""
         changed, self._changed = self._changed, {}
         return changed
 
     def everybody(self, sequence: str) -> dict[str, bytes]:
-        """Everybody in a sequence, for somebody who just came."""
+        """Return the presence messages of all viewers of a sequence, for a new viewer."""
         return {who: encode(last) for (where, who), last in self._last.items() if where == sequence}
 
     def gone(self, viewer: str, sequence: str) -> bytes | None:
-        """A viewer left; what to tell the others, if they knew of it."""
+        """Remove a viewer; return the message for the others if they had its place."""
         last = self._last.pop((sequence, viewer), None)
         self._changed.get(sequence, {}).pop(viewer, None)
         return None if last is None else encode(last.model_copy(update={"left": True}))
 
     @staticmethod
     def pause(viewers: int, most_per_second: float) -> float:
-        """Seconds between relays: longer when everybody tells everybody among very many."""
+        """Return the seconds between relays; each relay sends ``viewers`` squared messages."""
         return max(1.0 / most_per_second, viewers * viewers / RELAYS_PER_SECOND)

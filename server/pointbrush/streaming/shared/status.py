@@ -1,4 +1,4 @@
-"""Status numbers of our errors, on REST and in the socket's ``error`` message."""
+"""Status codes of our errors, in REST and in the socket's ``error`` message."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STATUS: tuple[tuple[type[errors.PointbrushError], int], ...] = (
     (errors.ForbiddenError, 403),
     (errors.TooManyRequestsError, 429),
     (errors.UnavailableError, 503),
-    # Not 503: trying again does not help until somebody has mended the files.
+    # Not 503: a retry fails until the files are repaired.
     (errors.DamagedError, 500),
 )
 
@@ -25,7 +25,7 @@ class MalformedError(errors.BadInputError):
 
 
 def status_of(error: errors.PointbrushError) -> int:
-    """The status of an error; the most specific class decides."""
+    """Return the status of an error, from its most specific class."""
     for kind, status in STATUS:
         if isinstance(error, kind):
             return status

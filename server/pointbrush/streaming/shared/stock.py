@@ -1,6 +1,6 @@
-"""A recording's tables and points, as they lie on the disk: views of mapped files, no copies.
+"""A recording's tables and points as stored on disk: views of mapped files, no copies.
 
-``Shelf`` keeps the frames open that somebody looks at, for all rooms of a server.
+``Shelf`` keeps the recently used frames of all rooms of a server open.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from pointbrush.streaming.table import FrameTable, Piece
 
 MOST_FRAMES = 4096
 LEAST_FRAMES = 16
-"""Mapped frames that are kept at most, and at least, whatever may be open."""
+"""Most and least mapped frames that are kept open."""
 FILES_SHARE = 8
-"""Of the files that this process may open, one in so many is for mapped frames at most."""
+"""Divisor of the process's limit of open files that gives the limit of mapped frames."""
 
 Key = tuple[str, str]
-"""A recording's id, which messages name, and the identity of its import."""
+"""A recording's id, as in messages, and the identity of its import."""
 PointsMessage = tuple[bytes, memoryview]
 """A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
 
 
 IN_MEMORY_SECONDS = 0.25
-"""Time after which the system is asked anew whether bytes are in memory.
+"""Time for which the answer of the system that bytes are in memory is used.
 
-It takes them away under pressure, from what was not looked at for longest.
+Under memory pressure, the system evicts the least recently used bytes.
 """
 
 
 @dataclass(slots=True)
 class Head:
-    """Head of a message of points; ``in_memory``: when its points were last known to be there."""
+    """Head of a message of points; ``in_memory``: last time its points were found in memory."""
 
     data: bytes
     in_memory: float = float("-inf")
@@ -49,8 +49,8 @@ class Head:
 class OpenFrame:
     """A frame and its levels; ``looked_at``: its bytes have been read since it was opened.
 
-    ``depth``: the levels of its depth image, those of its points where it has none.
-    ``heads`` of messages made of it, by first chunk, stop, and whether of the depth image.
+    ``depth``: the levels of its depth image, or of its points if it has none.
+    ``heads``: heads of its messages by first chunk, stop, and whether of the depth image.
     """
 
     stored: StoredFrame
@@ -61,13 +61,13 @@ class OpenFrame:
 
 
 class Shelf:
-    """The most recently used frames, as many as there are files to spare.  Event loop only.
+    """The most recently used frames, within the limit of open files.  Event loop only.
 
-    A frame is a few kilobytes and a mapped file: its bytes stay the page cache's.
+    A frame takes a few kilobytes and a mapped file; its bytes are in the page cache.
     """
 
     def __init__(self, limit: int | None = None) -> None:
-        """``limit``: frames that are kept; by default what the process's limit of files allows."""
+        """``limit``: number of kept frames; by default from the process's limit of open files."""
         self._limit = most_frames() if limit is None else limit
         self._frames: OrderedDict[tuple[Key, int], OpenFrame] = OrderedDict()
 
@@ -75,27 +75,27 @@ class Shelf:
         return len(self._frames)
 
     def get(self, key: tuple[Key, int]) -> OpenFrame | None:
-        """A frame of a recording, if it is here."""
+        """Return a frame of a recording if it is open, otherwise None."""
         found = self._frames.get(key)
         if found is not None:
             self._frames.move_to_end(key)
         return found
 
     def put(self, key: tuple[Key, int], frame: OpenFrame) -> OpenFrame:
-        """Keep a frame, and return the one that is kept under its key."""
+        """Keep a frame unless its key is taken; return the frame of the key."""
         kept = self._frames.setdefault(key, frame)
         while len(self._frames) > self._limit:
             self._frames.popitem(last=False)
         return kept
 
     def forget(self, recording: Key) -> None:
-        """Let go of a recording's frames: nobody looks at it any more."""
+        """Close a recording's frames when its last viewer has left."""
         for key in [key for key in self._frames if key[0] == recording]:
             del self._frames[key]
 
 
 def most_frames() -> int:
-    """Frames that may be kept open in this process."""
+    """Return the number of frames that this process may keep open."""
     if sys.platform == "win32":
         return MOST_FRAMES
     import resource
@@ -108,9 +108,8 @@ def most_frames() -> int:
 class Stock:
     """Parts of an imported recording that never change.  Event loop only.
 
-    The page cache is the cache: what is in memory is sent from there without a thread in between,
-    by one viewer or a hundred.  A thread opens a frame the first time, and reads what is not in
-    memory.
+    The system's page cache is the cache: bytes in memory are sent from there without a thread.  A
+    thread opens each frame once, and reads bytes that are not in memory.
     """
 
     def __init__(
@@ -123,19 +122,19 @@ class Stock:
         self._can_tell: bool | None = None
 
     def known_table(self, frame: int, *, depth: bool = False) -> FrameTable | None:
-        """The levels of a frame that is open, or of its ``depth`` image, where it has one."""
+        """Return the levels of an open frame, or of its ``depth`` image if it has one."""
         found = self._shelf.get((self.key, frame))
         if found is None:
             return None
         return found.depth if depth else found.table
 
     async def table(self, frame: int, *, depth: bool = False) -> FrameTable:
-        """The same of any frame; raises NotFoundError."""
+        """Return the levels of any frame, opening it if needed; raise NotFoundError."""
         found = await self._open(frame)
         return found.depth if depth else found.table
 
     def known_message(self, piece: Piece) -> PointsMessage | None:
-        """A piece's points, if sending them would not wait for the disk."""
+        """Return the message of a piece's points if sending it does not wait for the disk."""
         found = self._shelf.get((self.key, piece.frame))
         if found is None or found.stored.large:
             return None
@@ -148,10 +147,10 @@ class Stock:
         return head.data, points
 
     async def message(self, piece: Piece) -> PointsMessage:
-        """A piece's points; a thread reads them into memory if they are not there."""
+        """Return the message of a piece's points; a thread reads them if they are not in memory."""
         found = await self._open(piece.frame)
         if found.stored.large:
-            # Read there and not mapped: what was sent must not count as this process's memory.
+            # Read in the thread instead of mapped: sent bytes must not count as process memory.
             read: PointsMessage = await self._run(self._encode, found, piece)
             return read
         head, points = self._head(found, piece)
@@ -161,14 +160,14 @@ class Stock:
         return head.data, points
 
     def _head(self, found: OpenFrame, piece: Piece) -> tuple[Head, memoryview]:
-        """Return the head that is kept of a piece of a frame that is not large, and its points."""
+        """Return the cached head of a piece, and its points; for frames that are not large."""
         key = piece.first, piece.stop, piece.depth
         head = found.heads.get(key)
         if head is None:
             data, points = self._encode(found, piece)
             head = found.heads[key] = Head(data)
             return head, points
-        # The view is made anew: it says whether its file has been cut short meanwhile.
+        # A new view checks that the file has not been truncated.
         view = found.stored.depth if piece.depth else found.stored.wire
         return head, view(piece.first, piece.stop)
 
@@ -180,7 +179,7 @@ class Stock:
         return in_memory(data) if self._can_tell else found.looked_at
 
     async def _open(self, frame: int) -> OpenFrame:
-        """An open frame; those who want it at once wait for the same thread."""
+        """Return an open frame; concurrent calls wait for the same thread."""
         found = self._shelf.get((self.key, frame))
         if found is not None:
             return found
@@ -197,7 +196,7 @@ class Stock:
             stored = self._recording[frame]
             table = FrameTable.of(stored)
             if not stored.large:
-                # Mapped and counted here: the event loop finds it done.
+                # Map the file and encode the table in this thread instead of on the event loop.
                 encode_frame("", stored, 0, table.chunks, final=True)
             return OpenFrame(stored, table, FrameTable.of(stored, depth=True))
 
