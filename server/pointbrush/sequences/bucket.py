@@ -36,7 +36,7 @@ Progress = Callable[[float, str], None]
 class Bucket:
     """Objects under ``url``, and the cache of this machine; picklable, thread-safe.
 
-    Every method raises UnavailableError when the store cannot be asked, and says why.
+    Every method raises UnavailableError with the reason if the store does not answer.
     """
 
     def __init__(self, url: str, cache: FileCache) -> None:
@@ -74,7 +74,7 @@ class Bucket:
 
     @contextmanager
     def _asking(self, *, writing: bool = False) -> Iterator[tuple[Any, str]]:
-        """Give file system and root; tell what goes wrong but FileNotFoundError in our words."""
+        """Yield file system and root; convert the store's errors except FileNotFoundError."""
         opened = self._opened
         try:
             yield opened
@@ -83,7 +83,7 @@ class Bucket:
         except PermissionError as error:
             kind = ReadOnlyError if writing else UnavailableError
             raise kind(REFUSED, private=str(error)) from error
-        except Exception as error:  # each store has its own, of no common class
+        except Exception as error:  # the errors of the stores have no common base class
             raise _unavailable(error) from error
 
     def require_answer(self) -> None:
@@ -91,7 +91,7 @@ class Bucket:
         self.folders()
 
     def folders(self) -> list[str]:
-        """Return the names of what looks like folders directly under the URL."""
+        """Return the names of the folders directly under the URL."""
         with self._asking() as (fs, root):
             try:
                 found = fs.ls(root, detail=True)
@@ -105,7 +105,7 @@ class Bucket:
         return [name.rpartition("/")[2] for name in names]
 
     def _has_bucket(self, fs: Any, root: str) -> bool:
-        """Return whether the bucket exists; stores that are not in buckets make theirs."""
+        """Return whether the bucket exists; stores without buckets create their folder."""
         scheme = self.url.partition("://")[0]
         return scheme not in EXTRAS or bool(fs.exists(root.partition("/")[0]))
 
@@ -134,7 +134,7 @@ class Bucket:
             fs.pipe_file(place, data)
 
     def remove(self, names: Iterable[str]) -> None:
-        """Remove objects, and all under those that are folders; missing ones count as removed."""
+        """Remove objects and folders with their contents; missing ones count as removed."""
         with self._asking(writing=True) as (fs, root):
             for name in names:
                 with suppress(FileNotFoundError):
@@ -166,7 +166,7 @@ class Bucket:
     def publish(self, made: Path, name: str, progress: Progress | None = None) -> None:
         """Send the recording in the folder ``made``, the manifest last, and keep it in the cache.
 
-        Of one that is not sent nothing stays.  ``progress`` as for ``import_frames``.
+        If sending fails, the objects are removed.  ``progress`` as for ``import_frames``.
         """
         manifest = (made / FILE).read_bytes()
         kept = {made / FILE, made / SENSOR}

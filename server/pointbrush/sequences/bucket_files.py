@@ -19,7 +19,7 @@ from pointbrush.sequences.read_ahead import ReadAhead
 from pointbrush.sequences.recording_files import KeptFiles
 
 OPEN_FRAMES = 64
-"""Frames of a recording that may be open at once: each holds its files, 3 descriptors."""
+"""Most open frames of a recording; each holds 3 file descriptors."""
 AT_ONCE = 8
 """Files of one frame that are fetched at once."""
 _OF_FRAME = re.compile(r"(\w+)/(\d{6,})[./].+")
@@ -52,7 +52,7 @@ class BucketFiles:
     @cached_property
     def path(self) -> Path:
         """See RecordingFiles."""
-        # An import's files never change: those of another import of this name lie elsewhere.
+        # An import's files never change: files of another import of this name are in its folder.
         path = self._bucket.folder / (self._known or self.manifest()).identity
         path.mkdir(parents=True, exist_ok=True)
         return path
@@ -80,7 +80,7 @@ class BucketFiles:
 
     @cached_property
     def _of_frame(self) -> dict[tuple[str, int], list[str]]:
-        """Names of a frame's files by folder and number, also of those that are missing."""
+        """Names of a frame's files by folder and number, including missing files."""
         found = defaultdict(list)
         for name in self._sizes.keys() | self._checksums.keys():
             if match := _OF_FRAME.fullmatch(name):
@@ -92,7 +92,7 @@ class BucketFiles:
         try:
             held = self._hold_frame(index, part)
         except DamagedError:
-            # Objects that were put right since they were listed have other lengths.
+            # Objects repaired after they were listed have other lengths.
             for name in ("_of_frame", "_sizes", "_checksums"):
                 self.__dict__.pop(name, None)
             try:
@@ -128,7 +128,7 @@ class BucketFiles:
         return Hold(here)
 
     def _fetched(self, name: str) -> int:
-        """Return a descriptor that holds a file, which comes from the bucket if it must."""
+        """Return a descriptor that holds a file; fetch the file if it is not in the cache."""
         checksum = None if name == CHECKSUMS else self._checksums.get(name)
 
         def fetch(target: Path) -> None:

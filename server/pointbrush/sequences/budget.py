@@ -1,21 +1,21 @@
-"""At most six bytes a point: what a chunk gives up for it, the least visible first.
+"""Encoding of chunks in at most six bytes a point, with the least visible loss.
 
-A chunk is encoded on the finest grid of its recording.  Where that takes more, as between the
-far-apart points of a lidar, it gives up, as far as it must and in this order:
+A chunk is encoded on the finest grid of its recording.  If that takes more, as for the sparse
+points of a lidar, it reduces, as far as needed and in this order:
 
 1. fineness of the grid, as far as the recording's sensor justifies (``quantise.coarsest_step``);
 2. the order of its points inside blocks (``path``): only bytes are lost;
 3. one or two low bits of its colours, a camera's noise: only in recordings of 1 (lidars).
 
-What is then still above is mostly noise, points at random with colours at random, where nobody
-could see what is lost:
+A chunk that is still above the budget is mostly noise, random points with random colours, in which
+further losses are not visible:
 
 4. half of the fineness again, where that is 1/32 of the distance between neighbours or less;
 5. in its place, colours of 5, 6 and 5 bits, two bytes for three;
-6. and as much fineness as it takes: no point of what was tried moves by more than 1/25 of that
+6. and as much fineness as needed: no point of the tested chunks moves by more than 1/25 of that
    distance.
 
-Levels of a frame come one after another: what earlier ones did not use is there for steps 4 to 6.
+Levels of a frame are encoded in order: steps 4 to 6 may use the bytes that earlier levels left.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ from pointbrush.sequences.vertices import MOST_DROPPED, PACKED, are_related, enc
 BUDGET = 6.0
 """Bytes a point that a chunk does not exceed."""
 FEW = 64
-"""With fewer points, what a stream needs anyway is too much of it."""
+"""Chunks of fewer points have no budget: the fixed part of a stream is too large for them."""
 
 _GAIN, _MOST_GAIN = 3 / 8, 1 / 2
 """Bytes a point that a grid of twice the step saves: one bit for each coordinate, and at most."""
 _MANY = 16384
 _MARGIN = 0.15
 _SMALL_STEP = 1 / 32
-"""A grid's step that is not seen, as a share of the distance between neighbours."""
+"""Largest invisible grid step, as a share of the distance between neighbours."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +54,7 @@ class Fitted:
 
 
 class _Chunk:
-    """One chunk and the best that was found for it so far."""
+    """One chunk and its best encoding so far."""
 
     def __init__(self, xyz: NDArray[np.float32], colors: Bytes, step: float):
         self.xyz, self.colors, self.step = xyz, colors, step
@@ -64,7 +64,7 @@ class _Chunk:
         self.budget = BUDGET * len(xyz) if len(xyz) >= FEW else math.inf
 
     def encode(self) -> None:
-        """Encode with what is given up by now."""
+        """Encode with the current losses."""
         self.quantised = quantise(self.xyz, self.step)
         self._write()
 
@@ -85,7 +85,7 @@ class _Chunk:
             self.encode()
 
     def shorten(self) -> None:
-        """Put the points on a way that is short in positions and colours."""
+        """Order the points along a path that is short in positions and colours."""
         values = np.empty((7, len(self.xyz)), np.int32)
         values[:3], values[3:] = self.quantised.q.T, self.colors.T
         if self.related:
@@ -94,12 +94,12 @@ class _Chunk:
         self._write()
 
     def drop(self, bits: int) -> None:
-        """Give up low bits of the colours."""
+        """Drop low bits of the colours."""
         self.dropped = bits
         self._write()
 
     def blur(self, most: float) -> None:
-        """Coarsen a grid of noise up to ``most``, on a way that is short in space alone."""
+        """Coarsen a grid of noise up to ``most``, on a path that is short in space only."""
         while True:
             self.quantised = quantise(self.xyz, self.step)
             self.order = short_path(self.quantised.q.T.astype(np.int32))
@@ -121,12 +121,12 @@ def fit(
     """Encode points (N, 3), local metres in Morton order, with colours (N, 4), within the budget.
 
     The grid's step is ``step`` or, where the sensor justifies it, up to ``coarsest`` (metres).
-    ``spare``: bytes that chunks before it left, which keep it from being taken for noise.
+    ``spare``: bytes left by chunks before it, so that it is treated as noise less often.
     ``ordered``: the points keep their order; a chunk that no coarser grid brings within the budget
-    stays above it, as those of few depth cameras do.
+    stays above it, as for a few depth cameras.
     """
     chunk = _Chunk(xyz, colors, step)
-    if len(xyz) >= _MANY and step < coarsest:  # most of what fails is not even tried
+    if len(xyz) >= _MANY and step < coarsest:  # skip most of the steps that would fail
         excess = _forecast(xyz, colors, step, related=chunk.related) - BUDGET
         chunk.step = _coarser(step, excess, coarsest, _GAIN)
     chunk.encode()
@@ -168,12 +168,12 @@ def _power(step: float) -> float:
 
 
 def _spacing(xyz: NDArray[np.float32]) -> float:
-    """About the distance from a point to the next along the curve, metres."""
+    """Estimate the distance from a point to the next along the curve, metres."""
     return float(np.median(np.linalg.norm(np.diff(xyz.astype(np.float64), axis=0), axis=1)))
 
 
 def _forecast(xyz: NDArray[np.float32], colors: Bytes, step: float, *, related: bool) -> float:
-    """About the bytes a point that a chunk will take, or a little less, from some of its runs."""
+    """Estimate the bytes a point of a chunk, or a little less, from some of its runs."""
     sample = runs_of(len(xyz)).ravel()
     data = encode(quantise(xyz[sample], step), colors[sample], related=related)
     return len(data) / len(sample) - _MARGIN

@@ -1,4 +1,4 @@
-"""A least-recently-used cache bounded by the total size of what it holds."""
+"""A least-recently-used cache bounded by the total size of its entries."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ class Cache(Generic[K, V]):
             return self._entries[key][0]
 
     def held(self) -> list[K]:
-        """The keys of now, the least recently used first."""
+        """The current keys, the least recently used first."""
         with self._lock:
             return list(self._entries)
 
     def drop(self, key: K) -> None:
-        """Forget the entry under ``key``, if there is one."""
+        """Remove the entry under ``key`` if there is one."""
         with self._lock:
             _, freed = self._entries.pop(key, (None, 0))
             self._total -= freed
 
     def get(self, key: K, make: Callable[[], V], size: int) -> V:
-        """The entry under ``key``, made when absent.
+        """Return the entry under ``key``; create it if it is absent.
 
         Two threads may make the same entry at once; both get the one that is kept.
         """

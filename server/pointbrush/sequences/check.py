@@ -1,4 +1,4 @@
-"""Faults of a sequence's files, told by their checksums or by themselves."""
+"""Faults of a sequence's files, found by their checksums or by their own contents."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ NO_CHECKSUMS = (
 
 
 def verify(place: Path | RecordingFiles, *, contents: bool = True) -> list[str]:
-    """Problems of the sequence at ``place``, one sentence each; none when it is whole.
+    """Return the problems of the sequence at ``place``, one sentence each; none if it is whole.
 
-    Without ``contents`` no frame is read: the manifest must be whole and all files there.
+    Without ``contents`` no frame is read: only the manifest and the presence of files are checked.
     """
     files, problems = files_of(place), []
     try:
@@ -38,16 +38,16 @@ def verify(place: Path | RecordingFiles, *, contents: bool = True) -> list[str]:
             problems.append(f"{name}: expected a file, it is missing")
         elif contents and files.digest(name) != checksum:
             problems.append(f"{name}: expected checksum {checksum}, its bytes have changed")
-    # Imports of before manifest version 4 noted no checksums of a source's further fields.
+    # Imports before manifest version 4 have no checksums of a source's further fields.
     extra = sorted(name for name in there - set(expected) if not name.startswith(f"{FIELDS}/"))
     problems += [f"{name}: expected no such file" for name in extra]
     return problems
 
 
 def note_checksums(place: Path | RecordingFiles) -> bool:
-    """Write checksums of what is there, if there are none and all of it can be read.
+    """Write checksums of all files, if there are none yet and all files can be read.
 
-    Whether they were written.  Raises OSError, UnavailableError.
+    Returns whether they were written.  Raises OSError, UnavailableError.
     """
     files = files_of(place)
     try:
@@ -64,7 +64,7 @@ def note_checksums(place: Path | RecordingFiles) -> bool:
 
 
 def _unreadable(files: RecordingFiles) -> list[str]:
-    """List faults of frames' files by what they say of themselves."""
+    """List faults of frames' files without checksums, from their headers and lengths."""
     problems = []
     for name in sorted(files.names()):
         if not (name.startswith(f"{FRAMES}/") and name.endswith(".points")):

@@ -1,4 +1,4 @@
-"""The file of a sequence's checksums, and the name of the one that comes later."""
+"""The file of a sequence's checksums, and the name of a file that is written after the import."""
 
 from __future__ import annotations
 

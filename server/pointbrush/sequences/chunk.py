@@ -27,15 +27,15 @@ CHUNK = np.dtype(
         ("hi", "<f4", 3),
     ]
 )
-"""One row per chunk; ``parent`` is -1 but in an octree."""
+"""One row per chunk; ``parent`` is -1 except in an octree."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grid:
     """Values that all frames of a sequence share: shift, grid, lattice, range of intensities.
 
-    A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); that of
-    noise may be more.  ``lattice``: pixels that the frames' points lie on, or None.
+    A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); a chunk
+    of noise may have a greater one.  ``lattice``: pixels that the frames' points lie on, or None.
     """
 
     shift: NDArray[np.float64]
@@ -126,7 +126,7 @@ def encode_chunk(
 ) -> EncodedChunk:
     """Encode points (N, 3), local metres along a curve through space, with colours (N, 4).
 
-    ``spare``: bytes that chunks ahead of it left of their budget.  ``ordered``: the points keep
+    ``spare``: bytes that chunks before it left of their budget.  ``ordered``: the points keep
     their order.
     """
     fitted = fit(xyz, colors, grid.step, grid.coarsest, spare=spare, ordered=ordered)

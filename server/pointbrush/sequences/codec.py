@@ -6,7 +6,7 @@ WebAssembly.  A stream is a header byte 0xA1, blocks of at most 256 vertices, an
 first vertex and a mode for each four bytes of a vertex: whether they are four bytes or two words.
 
 A block holds, for each byte of the vertex, the zigzag differences to the vertex before in groups
-of 16.  Two control bits in front of the block tell how each byte's groups are packed: the block is
+of 16.  Two control bits in front of the block state how each byte's groups are packed: the block is
 all zero, it is plain, or two bits for each group choose between no bits, 1, 2 and 4 bits a value
 (first choice of widths) or 1, 2, 4 and 8 (second).  The greatest value of 1, 2 or 4 bits announces
 a whole byte behind the group.

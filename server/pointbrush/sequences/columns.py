@@ -1,4 +1,4 @@
-"""One frame's points → the arrays and wire bytes that are stored.  Pure: no files here."""
+"""Conversion of one frame's points to the stored arrays and wire bytes, without access to files."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
 class Encoded:
     """A frame ready to be written; ``error`` is its greatest quantisation error per axis.
 
-    ``side_error`` is that of the depth image beside the camera's axis, ``color_error`` what its
-    picture differs from the colours; 0 where it has none.
+    ``side_error`` is the depth image's error across the camera's axis, ``color_error`` the
+    difference of its picture from the colours; 0 without a depth image.
     """
 
     arrays: dict[str, NDArray[Any]]
@@ -41,7 +41,7 @@ class Encoded:
 
 
 def gather(rows: NDArray[Any], numbers: NDArray[np.int64]) -> NDArray[Any]:
-    """``rows[numbers]`` of structured rows, as plain bytes: ten times as fast."""
+    """Return ``rows[numbers]`` of structured rows, copied as plain bytes, ten times as fast."""
     plain = rows.view(np.dtype((np.void, rows.dtype.itemsize)))
     return plain.take(numbers).view(rows.dtype)
 
@@ -86,7 +86,7 @@ def from_local(
 def residual(
     source: NDArray[Any], local: NDArray[np.float32], shift: NDArray[np.float64]
 ) -> NDArray[Any] | None:
-    """Return the residue by which ``from_local`` gives ``source`` (N, 3) back exactly, None: none.
+    """Return the residual with which ``from_local`` restores ``source`` exactly, or None: none.
 
     It is the difference of the floats' bit patterns, which is a few units in the last place, so
     that a narrow integer holds it where a copy of the coordinates would take eight bytes.
@@ -130,7 +130,7 @@ def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
 
 
 def frame_meta(frame: PointFrame) -> dict[str, Any]:
-    """Facts stored of a frame beside its arrays: the coordinates' type, the depth camera."""
+    """Return the metadata of a frame's arrays: the coordinates' type, the depth camera."""
     meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
     if frame.camera is not None:
         camera = frame.camera
@@ -141,8 +141,8 @@ def frame_meta(frame: PointFrame) -> dict[str, Any]:
 def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
     """Order, quantise and encode a frame of at most ``order.MAX_POINTS`` points.
 
-    The frame of a depth camera is ordered and encoded as a depth image, and beside it for those
-    who do not know these.
+    The frame of a depth camera is ordered and encoded as a depth image, and also as points for
+    clients without support for depth images.
     """
     local = to_local(frame.xyz, grid.shift)
     order, first, of_level, depth = _arranged(frame, local, grid)

@@ -56,7 +56,7 @@ def decode_points(data: bytes | memoryview, count: int) -> Bytes:
 
 
 class _Walk:
-    """Finds the groups of a stream.  Which follows which is known only by going through them."""
+    """Finds the groups of a stream by reading it from the start; the lengths depend on the data."""
 
     def __init__(self, body: Bytes, version: int) -> None:
         self._body, self._version = body, version

@@ -11,8 +11,8 @@ from pointbrush.sequences.codec import GROUP, HEADER, TAIL_MIN, Bytes, block_siz
 def encode_vertices(vertices: Bytes, words: int = 0) -> bytes:
     """Encode (N, stride) uint8 vertices; ``stride`` is a multiple of 4.
 
-    The first ``words`` times four bytes are little-endian 16-bit values, whose differences are
-    taken whole.  Raises BadInputError for another shape or type.
+    The first ``words`` times four bytes are little-endian 16-bit values, differenced as 16-bit
+    numbers.  Raises BadInputError for another shape or type.
     """
     if vertices.ndim != 2 or vertices.dtype != np.uint8:
         raise BadInputError(

@@ -1,8 +1,8 @@
 """Whole files kept on this machine's disk, within a bound; several processes may share the folder.
 
-Whoever reads a file holds it (a shared ``flock`` on it), and what is held stays; of the others the
-least recently used go first.  A file is fetched by one process at a time, under a name of its own,
-and appears whole.  Files never change, so that a copy of the right length is right.
+A reader holds a file by a shared ``flock`` on it, and held files stay; of the other files, the
+least recently used are removed first.  One process at a time fetches a file, under a temporary
+name, so that it appears whole.  Files never change: a copy of the right length is valid.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ PARTIAL = ".part-"
 LOCKS = ".locks"
 USED = ".used"
 STRIPES = 256
-"""Locks of files that are being fetched: those of the same number wait for each other."""
+"""Number of locks for fetching files; files with the same lock wait for each other."""
 FULL_SHARE = 0.9
-"""Share of the bound that is left in use when something had to go."""
+"""Share of the bound that stays in use after files were removed."""
 
 
 class Hold:
-    """Files that stay where they are until this is left, or nobody has it any more."""
+    """Files that stay in place until the context ends or the object is deleted."""
 
     def __init__(self, descriptors: list[int]) -> None:
         self._close = weakref.finalize(self, _close_all, descriptors)
@@ -43,7 +43,7 @@ class Hold:
 
 
 class FileCache:
-    """Files under ``folder``, of ``capacity`` bytes and what is held beyond that; thread-safe."""
+    """Files under ``folder``, at most ``capacity`` bytes unless more are held; thread-safe."""
 
     def __init__(self, folder: Path, capacity: int) -> None:
         self.folder, self.capacity = folder, capacity
@@ -54,8 +54,8 @@ class FileCache:
     def hold(self, path: Path, nbytes: int, fetch: Callable[[Path], None]) -> int:
         """Return a descriptor that holds the file of ``nbytes`` at ``path``, which is under folder.
 
-        ``fetch(partial)`` writes it to another path where it is missing, or of another length.
-        Raises DamagedError when what was fetched is of another length, and what ``fetch`` raises.
+        ``fetch(partial)`` writes it to another path if it is missing or of another length.
+        Raises DamagedError if the fetched file is of another length, and the errors of ``fetch``.
         """
         descriptor = held(path, nbytes)
         if descriptor is not None:
@@ -77,14 +77,14 @@ class FileCache:
 
     @contextlib.contextmanager
     def _alone(self, path: Path) -> Iterator[None]:
-        """Nobody else fetches this file meanwhile."""
+        """Keep all other threads and processes from fetching this file."""
         name = blake2b(str(path).encode(), digest_size=8).digest()
         number = int.from_bytes(name, "big") % STRIPES
         with _locked(self.folder / LOCKS / f"{number:03d}"):
             yield
 
     def _note(self, nbytes: int) -> None:
-        """Count bytes that have come, and make room for them."""
+        """Count fetched bytes, and make room for them."""
         path = self.folder / USED
         with _locked(path):
             known = path.read_text()
@@ -94,7 +94,7 @@ class FileCache:
             path.write_text(str(used))
 
     def _prune(self) -> int:
-        """Remove files until the rest is within the bound; return the bytes of what is left."""
+        """Remove files until the rest is within the bound; return the bytes of the rest."""
         found = []
         for file in _files(self.folder):
             with contextlib.suppress(FileNotFoundError):
@@ -120,7 +120,7 @@ def held(path: Path, nbytes: int) -> int | None:
     try:
         fcntl.flock(descriptor, fcntl.LOCK_SH)
         state = os.fstat(descriptor)
-        # It may have been removed between the two calls.
+        # The file may have been removed between the two calls.
         if state.st_nlink == 0 or state.st_size != nbytes:
             os.close(descriptor)
             return None
@@ -153,14 +153,14 @@ def _partial(path: Path) -> tuple[Path, int]:
         partial = path.with_name(f"{PARTIAL}{uuid.uuid4().hex}")
         descriptor = os.open(partial, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o600)
         fcntl.flock(descriptor, fcntl.LOCK_EX)
-        # Another one who made room may have removed it before it was locked.
+        # Another process that made room may have removed it before it was locked.
         if os.fstat(descriptor).st_nlink:
             return partial, descriptor
         os.close(descriptor)
 
 
 def _removed(path: Path) -> bool:
-    """Remove a file that nobody holds; return whether it is gone."""
+    """Remove a file unless it is held; return whether it is removed."""
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except FileNotFoundError:
@@ -176,7 +176,7 @@ def _removed(path: Path) -> bool:
 
 
 def _files(folder: Path) -> Iterator[Path]:
-    """All files of a folder but its own two kinds, also those that a killed fetch has left."""
+    """Yield all files of a folder except locks and the count, including leftovers of a fetch."""
     for place, folders, names in os.walk(folder):
         if LOCKS in folders:
             folders.remove(LOCKS)

@@ -27,7 +27,7 @@ def write_file(path: Path, data: bytes | memoryview) -> None:
 
 
 def write_all(descriptor: int, data: memoryview, offset: int) -> None:
-    """Write all of ``data`` at ``offset``; the system may take it in several bites."""
+    """Write all of ``data`` at ``offset``; the system may take several writes for it."""
     while len(data):
         written = os.pwrite(descriptor, data, offset)
         data, offset = data[written:], offset + written
@@ -90,7 +90,7 @@ def _rename(temporary: Path, target: Path) -> None:
 
 
 def clean_temporary(folder: Path) -> list[Path]:
-    """Remove what imports left behind that were killed; those still running are left alone."""
+    """Remove the temporary folders of killed imports; keep the folders of running ones."""
     removed = []
     for path in folder.glob(".tmp-*"):
         match = _TEMPORARY.fullmatch(path.name)

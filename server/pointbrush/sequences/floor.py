@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 Kind = Literal["camera", "survey", "unknown"]
-"""Points of a depth image (y down, z forward), in map coordinates (z up), or of anything."""
+"""Points of a depth image (y down, z forward), in map coordinates (z up), or of unknown axes."""
 
 _MOST = 6000
 _NEIGHBOURS = 12
@@ -24,7 +24,7 @@ _PLANES = 250
 _MIN_SHARE = 0.04
 _FEW = 100
 SAID_TILT = 20.0
-"""Degrees that a floor may lean from the axis that a person says is up."""
+"""Greatest angle in degrees between a floor's normal and the up axis that a user gave."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +102,7 @@ def _conventions(points: Vector, kind: Kind, depth: float) -> list[_Convention]:
             _Convention((0.0, 1.0, 0.0), ahead, 0.9 * (1.0 - below), 60.0),
             _Convention((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), 0.3, 20.0),
         ]
-    # A bare object of less than a metre is more often a model, and those have y up.
+    # A bare object of less than a metre is more often a model, and models have y up.
     small = float(np.ptp(points, axis=0).max()) < 1.0
     if small or depth < 0:
         return [y_up, z_up]
@@ -119,7 +119,7 @@ def _wide(choice: _Convention, points: Vector) -> _Convention:
 
 
 def _nearer_below(points: Vector) -> float:
-    """-1..1: how far what lies at greater y / z is nearer, as a floor seen by a y-down camera."""
+    """Return -1..1: 1 if points at greater y / z are nearer, as a floor below a y-down camera."""
     slope, inverse = points[:, 1] / points[:, 2], 1.0 / points[:, 2]
     if len(points) < 3 or np.ptp(slope) == 0 or np.ptp(inverse) == 0:
         return 0.0
@@ -127,7 +127,7 @@ def _nearer_below(points: Vector) -> float:
 
 
 def _normals(points: Vector) -> tuple[Vector, Vector]:
-    """Normals (N, 3) by the neighbours of each point, and how flat it is there: 0 for a plane."""
+    """Return normals (N, 3) from the neighbours of each point, and their deviation from a plane."""
     from scipy.spatial import cKDTree
 
     _, near = cKDTree(points).query(points, k=min(_NEIGHBOURS, len(points)))
@@ -137,7 +137,7 @@ def _normals(points: Vector) -> tuple[Vector, Vector]:
 
 
 def _said(up: Vector) -> _Convention:
-    """The convention of an axis (3,) that a person says is up."""
+    """Return the convention of an up axis (3,) that a user gave."""
     forward = (0.0, 0.0, -float(np.sign(up[1]))) if up[1] else (0.0, 1.0, 0.0)
     return _Convention((float(up[0]), float(up[1]), float(up[2])), forward, 1.0, SAID_TILT)
 
@@ -196,12 +196,12 @@ def _best_plane(
     share = float(_score(above, tolerance)[0])
     if share < _MIN_SHARE:
         return None
-    # A little for being nearer to the axis decides between equals.
+    # A small term for the angle to the axis decides between equal planes.
     return share * choice.prior * (0.5 + 0.5 * float(up @ axis)), up, height
 
 
 def _score(above: Vector, tolerance: float) -> Vector:
-    """Share of points on each plane, less what lies below it; ``above`` (N, planes)."""
+    """Return the share of points on each plane minus twice that below; ``above`` (N, planes)."""
     on = (np.abs(above) < tolerance).mean(axis=0)
     below = (above < -2 * tolerance).mean(axis=0)
     score: Vector = on - 2.0 * below

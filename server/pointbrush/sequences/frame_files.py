@@ -1,9 +1,9 @@
-"""The files of one stored frame: what is copied, what is mapped, and how damage to them is told.
+"""The files of one stored frame: copied and mapped parts, and the detection of damage.
 
-Memory that is mapped from a file ends the process (SIGBUS) when the file is cut short and the lost
-part is then looked at.  So the arrays of a frame that fits in memory are copied and compared with
-their checksum; only bytes for the wire are mapped, and their file's length is looked at each time.
-The columns of an octree are too large for that: they are mapped, and looked at before each use.
+Reading mapped memory beyond the end of a truncated file ends the process (SIGBUS).  Therefore the
+arrays of a frame that fits in memory are copied and compared with their checksum; only bytes for
+the wire are mapped, and their file's length is checked each time.  The columns of an octree are too
+large for that: they are mapped, and their lengths are checked before each use.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ FRAMES = "frames"
 """Folder of a recording that has these files."""
 
 COPIED_BYTES = 256 << 20
-"""Memory of this process for arrays of frames; the least recently used go first."""
+"""Memory of this process for arrays of frames; the least recently used are dropped first."""
 _copied: Cache[tuple[str, str], Arrays] = Cache(COPIED_BYTES)
 
 TABLES = ("chunks", "block_first", "block_lo", "block_hi", "block_of_chunk")
@@ -52,7 +52,7 @@ TABLES = ("chunks", "block_first", "block_lo", "block_hi", "block_of_chunk")
 
 
 class FrameFiles:
-    """Common to both kinds: the wire file, and how damage is told.
+    """Common part of both kinds: the wire file, and errors about damage.
 
     ``names`` are the arrays there are, ``chunks`` (C,) the chunk table, ``count`` the points;
     ``depth_ends`` (C,) where its chunks as a depth image end in the wire file, None without one.
@@ -100,7 +100,7 @@ class FrameFiles:
             raise DamagedError(f"frame {self.index} is damaged: {error}") from error
 
     def checksum(self, path: Path) -> str | None:
-        """Checksum of a file when it was imported; None: nobody noted it then."""
+        """Return the checksum of a file at its import, or None if it was not recorded."""
         return self._checksums.get(str(path.relative_to(self._folder)))
 
     @property
@@ -153,10 +153,10 @@ class FrameFiles:
         raise NotImplementedError
 
     def look(self) -> None:
-        """Check the lengths of what is mapped of the arrays."""
+        """Check the lengths of the mapped files of arrays."""
 
     def release(self) -> None:
-        """Let go of mapped memory that was looked at."""
+        """Release the pages of mapped memory that were read."""
 
 
 class CopiedFiles(FrameFiles):
@@ -177,7 +177,7 @@ class CopiedFiles(FrameFiles):
         return [self.path]
 
     def arrays(self) -> Arrays:
-        """All arrays, compared with their checksum: a copy that no change of the file reaches."""
+        """All arrays, compared with their checksum; a copy that no change of the file affects."""
         key = str(self.path), self._identity
         return _copied.get(key, self._copy, self._layout.nbytes)
 
@@ -219,7 +219,7 @@ class CopiedFiles(FrameFiles):
 class MappedFiles(FrameFiles):
     """An octree: a folder of ``.npy`` files, and the wire file, which is read piece by piece.
 
-    With plain coordinates, as octrees of before manifest version 4 have them.
+    The coordinates are plain, as in octrees before manifest version 4.
     """
 
     large = True
@@ -309,7 +309,7 @@ class PackedFiles(MappedFiles):
         """See FrameFiles."""
         if name != "xyz":
             return super().array(name)
-        # Kept as long as somebody has it, so that whoever asks again need not unpack it again.
+        # A weak reference: while a caller uses the array, further calls do not unpack it again.
         whole = None if self._whole is None else self._whole()
         if whole is None:
             whole = self.rows(name, 0, self.count)

@@ -42,7 +42,7 @@ _THREADS = WORKERS + 1
 
 
 def _silent(fraction: float, message: str) -> None:
-    """Progress nobody asked for."""
+    """Ignore the progress."""
 
 
 def import_frames(
@@ -62,12 +62,12 @@ def import_frames(
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
-    ``progress`` gets a fraction 0..1 and a message after each frame; what it raises cancels.
-    ``up`` is the axis ("x", "-x", … "-z") that points up, where it is known; ``pictures`` are kept
-    beside the frames; ``classes`` are names of the labels 1, 2, …, and ``origins`` the files of the
-    frames, which may come with the frames.
+    ``progress`` gets a fraction 0..1 and a message after each frame; an error from it cancels.
+    ``up`` is the axis ("x", "-x", … "-z") that points up, if it is known; ``pictures`` are stored
+    with the frames; ``classes`` are names of the labels 1, 2, …, and ``origins`` the files of the
+    frames, which may be filled while the frames are read.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
-    when there is no frame, UnavailableError when the disk is full, and what ``frames`` raises.
+    when there is no frame, UnavailableError when the disk is full, and the errors of ``frames``.
     """
     _check_fps(fps)
     with new_folder(target) as folder:
@@ -105,8 +105,8 @@ def import_large(
 ) -> Manifest:
     """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
-    The parts have the same fields; the source's order is theirs, one after the other.  A frame
-    that turns out to fit in memory is stored like any other.  Errors as ``import_frames``.
+    The parts have the same fields and are in the source's order.  A frame that turns out to fit in
+    memory is stored like any other.  Errors as ``import_frames``.
     """
     _check_fps(fps)
     parts = iter(parts)
@@ -145,7 +145,7 @@ def _check_fps(fps: float) -> None:
 def _complete(
     folder: Path, manifest: Manifest, records: list[Record], beside: Mapping[str, str]
 ) -> None:
-    """Write manifest and checksums; ``beside`` are those of files that no record has."""
+    """Write manifest and checksums; ``beside``: checksums of files outside the records."""
     write_file(folder / FILE, encode_manifest(manifest))
     checksums = dict(beside)
     for stored in records:

@@ -1,4 +1,4 @@
-"""A frame's k-d tree: built by a compiled loop when it is first asked for, searched by SciPy."""
+"""A frame's k-d tree: built by a compiled loop on first use, searched by SciPy."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _NODE = np.dtype(
 
 
 def build(xyz: NDArray[np.float32]) -> cKDTree[None]:
-    """Return the tree over points (N, 3): a third of SciPy's time, and without Python's lock."""
+    """Return the tree over points (N, 3), in a third of SciPy's time and without the GIL."""
     from scipy.spatial import cKDTree
 
     if len(xyz) == 0:
@@ -48,7 +48,7 @@ def build(xyz: NDArray[np.float32]) -> cKDTree[None]:
     tree: Any = cKDTree.__new__(cKDTree)
     try:
         tree.__setstate__(state)
-    except (TypeError, ValueError):  # a SciPy that keeps its nodes in another way
+    except (TypeError, ValueError):  # a SciPy with another layout of nodes
         return cKDTree(xyz, leafsize=LEAF_POINTS, balanced_tree=False)
     built: cKDTree[None] = tree
     return built

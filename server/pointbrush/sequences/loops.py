@@ -1,6 +1,6 @@
-"""Compiled loops: bounds, the grid, short ways through a chunk, k-d trees.
+"""Compiled loops: bounds, the grid, short paths through a chunk, k-d trees.
 
-They take long to load, so that modules import them where they are needed.
+They take long to load; therefore modules import them on first use.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled, innermost
 
 _FAR = 3900
-"""Differences count up to this, so that those of seven fields together fit 16 bits."""
+"""Limit of a difference, so that the sum over seven fields fits in 16 bits."""
 _FIELDS = 7
-"""Values of a point at most; a number known beforehand lets all be added in one pass."""
+"""Most values of a point; a constant number lets the compiler add all in one pass."""
 _FOUR_BITS = 7
 _TOO_FAR = 128
-"""Cost of a value that needs more than four bits, besides its difference (found by trial)."""
+"""Additional cost of a value that needs more than four bits (chosen by experiment)."""
 
 
 @compiled
@@ -51,7 +51,7 @@ def round_to_grid(
 
 @compiled
 def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.int64]) -> None:
-    """Write greedy ways through the runs ``first[r]:first[r + 1]`` of ``values`` (F ≤ 7, N)."""
+    """Write greedy paths through the runs ``first[r]:first[r + 1]`` of ``values`` (F ≤ 7, N)."""
     fields = values.shape[0]
     longest = 0
     for run in range(len(first) - 1):
@@ -72,7 +72,7 @@ def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.in
         here = np.int64(0)
         for step in range(size):
             way[start + step] = start + here
-            # The last of those that are left takes its place.
+            # The last remaining point takes its place.
             place, last = places[here], size - step - 1
             points[place] = points[last]
             places[points[last]] = place
@@ -95,7 +95,7 @@ def _nearest(distance: NDArray[np.uint16], points: NDArray[np.uint32], size: int
 def _measure(
     left: NDArray[np.int16], size: int, now: NDArray[np.int16], distance: NDArray[np.uint16]
 ) -> None:
-    """Write what the change of all values costs from ``now`` to each of the first points left."""
+    """Write the cost of the change of all values from ``now`` to each of the first points left."""
     for place in range(size):
         total = np.int16(0)
         for field in range(_FIELDS):
@@ -120,13 +120,13 @@ def split_points(
     made = 1
     node, nodes[0, 0] = 0, -1
     while node >= 0:
-        # Nodes that wait are linked by their first column; a subtree lies together in the end.
+        # Waiting nodes are linked by their first column; the nodes of a subtree are contiguous.
         waiting, first, stop = nodes[node, 0], nodes[node, 1], nodes[node, 2]
         axis, low, high = _longest_side(points, first, stop)
         nodes[node, 0] = -1
         nodes[node, 3] = nodes[node, 4] = -1
         splits[node] = 0.0
-        # Points that are all at one place stay together.
+        # Points at one position stay together.
         if stop - first > leaf and high > low:
             split = np.float32((np.float64(low) + np.float64(high)) / 2)
             split = split if split > low else high

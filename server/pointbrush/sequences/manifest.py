@@ -1,4 +1,4 @@
-"""The manifest: what a sequence is, in one JSON file; the rest of the folder never changes."""
+"""The manifest: the properties of a sequence in one JSON file; other files never change."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from pointbrush.sequences.files import replace_file
 FILE = "manifest.json"
 VERSION = 7
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
-further fields as it packs arrays, and the coordinates of octrees, 5 tells the format of depth
-images, 6 names the classes of labels that are words, and the
-files of frames, 7 keeps what the numbers of labels mean, and the scale; all are read."""
+further fields like arrays, and the coordinates of octrees, 5 has the format of depth images, 6 the
+names of classes of labels that are words, and the files of frames, 7 the meaning of numbers of
+labels, and the scale; all are read."""
 
 Matrix = list[float]
 """Row-major 4x4."""
@@ -37,10 +37,10 @@ class Manifest:
 
     ``points``          points per frame; ``dropped`` invalid points left out per frame.
     ``fields``          of ``xyz``, ``rgb``, ``intensity``, ``label``, ``instance``, ``pixel``:
-                        what at least one frame has.
+                        the fields of at least one frame.
     ``shift``           local = source − shift, metres.
     ``lo``, ``hi``      bounds over all frames, local.
-    ``room``            ``T_room_local``, row-major 4x4: stands it on the floor, y up.
+    ``room``            ``T_room_local``, row-major 4x4: places it on the floor, y up.
     ``found_room``      ``room`` as the import found it.
     ``position_error``  greatest difference per axis between a streamed coordinate and the stored
                         one, metres; for a large frame that of its coarsest chunk.
@@ -52,9 +52,9 @@ class Manifest:
     ``poses``           ``T_world_frame`` per frame, row-major 4x4 or None.
     ``timestamps``      seconds per frame, or None; ``viewpoints`` sensor positions, source.
     ``large``           a frame is an octree of chunks.
-    ``classes``         names of the labels 1, 2, … where the files call them by words.
-    ``dataset``         the one whose numbers the labels are, "" where it is not known.
-    ``palette``         labels of ours whose ids the labels are, where the files are our export:
+    ``classes``         names of the labels 1, 2, … if the files have words for labels.
+    ``dataset``         dataset that defines the numbers of labels, "" if it is unknown.
+    ``palette``         palette of the labels' ids if the files are an export of pointbrush:
                         fields of ``formats.palette.SourceLabel``.
     ``scale``           metres for a unit of the source's coordinates.
     ``files``           name of the file that each frame came from, ``places`` its place among the
@@ -96,7 +96,7 @@ class Manifest:
 
     @property
     def identity(self) -> str:
-        """16 hex digits that tell this import from every other, also from one of the same id."""
+        """16 hex digits that differ for every import, also for another import of the same id."""
         told = [self.imported_as, self.created, self.source, self.lo, self.hi]
         return blake2b(json.dumps(told).encode(), digest_size=8).hexdigest()
 
@@ -117,13 +117,13 @@ class Manifest:
 
 
 def checksum(content: dict[str, Any]) -> str:
-    """Make the checksum that a manifest has of the rest of its content."""
+    """Return the checksum that a manifest contains of its other content."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"))
     return blake2b(text.encode(), digest_size=16).hexdigest()
 
 
 def now() -> str:
-    """The date of an import that begins now, to the microsecond: the identity goes by it."""
+    """Return the current date to the microsecond, from which an import's identity is derived."""
     return datetime.now(UTC).isoformat(timespec="microseconds")
 
 
@@ -170,13 +170,13 @@ def parse_manifest(data: bytes, name: str) -> Manifest:
 
 
 def _of_any_version(content: dict[str, Any]) -> Manifest:
-    # Imports of before the room could be corrected by pointing did not keep what they found, those
-    # of before a recording could be restored under another id did not keep the first one.
+    # Manifests written before rooms could be corrected have no room as found; manifests written
+    # before recordings could be restored under another id have no first id.
     content.setdefault("found_room", content["room"])
     content.setdefault("imported_as", content["id"])
     content.setdefault("color_error", 0.0)
     content.setdefault("depth_format", 1)
-    # Labels in words were left out before.
+    # Older imports left out labels in words.
     content.setdefault("classes", [])
     content.setdefault("files", _files_of(content))
     content.setdefault("places", [0] * len(content["files"]))
@@ -232,9 +232,9 @@ def _lattice(given: dict[str, Any] | None) -> Lattice | None:
 
 
 def rename_sequence(path: Path, sequence: str) -> Manifest:
-    """Give the copy of a recording in folder ``path`` an id and an identity of its own.
+    """Give the copy of a recording in folder ``path`` a new id and a new identity.
 
-    It counts as imported now: caches, unsent edits and labels go by the identity.
+    It counts as imported now: caches, unsent edits and labels are keyed by the identity.
     """
     manifest = replace(read_manifest(path), id=sequence, created=now())
     replace_file(path / FILE, encode_manifest(manifest))
@@ -242,13 +242,13 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
 
 
 def note_meaning(path: Path, dataset: str, palette: list[dict[str, Any]], scale: float) -> None:
-    """Note the meaning of numbers of the source's files in the recording in folder ``path``."""
+    """Store the meaning of the source's label numbers in the recording in folder ``path``."""
     manifest = replace(read_manifest(path), dataset=dataset, palette=palette, scale=scale)
     replace_file(path / FILE, encode_manifest(manifest))
 
 
 def update_manifest(path: Path, **fields: Any) -> Manifest:
-    """Change what may change of an imported sequence, in one step; see ``changed_manifest``."""
+    """Change the mutable fields of an imported sequence in one step; see ``changed_manifest``."""
     manifest = changed_manifest(read_manifest(path), **fields)
     replace_file(path / FILE, encode_manifest(manifest))
     return manifest
@@ -262,7 +262,7 @@ def changed_manifest(
     fps: float | None = None,
     room: NDArray[np.float64] | None = None,
 ) -> Manifest:
-    """Return a manifest with what may change of it changed.
+    """Return a manifest with the given fields changed.
 
     ``room`` is ``T_room_local`` (4, 4), affine and invertible.  Raises BadInputError for an empty
     name, a rate that is not positive and finite, or another matrix.

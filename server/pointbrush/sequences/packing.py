@@ -1,6 +1,6 @@
 """Compiled loops of the vertex codec (``codec``): laying vertices out, and packing them.
 
-They take long to load, so that modules import them where they are needed.
+They take long to load; therefore modules import them on first use.
 """
 
 from __future__ import annotations
@@ -82,11 +82,11 @@ def pack_blocks(lanes: Bytes, words: int, size: int, out: Bytes) -> int:
 
 @innermost
 def _differences(lanes: Bytes, start: int, points: int, words: int, values: Bytes) -> None:
-    """Zigzag differences of a block's vertices to those before them, zeros behind the last."""
+    """Write zigzag differences of consecutive vertices of a block, zeros after the last."""
     for lane in range(len(lanes)):
         for place in range(points, -(-points // GROUP) * GROUP):
             values[lane, place] = 0
-    first = 0 if start else 1  # the very first has none before it
+    first = 0 if start else 1  # the first vertex has no predecessor
     for lane in range(0, words, 2):
         low, high = lanes[lane, start : start + points], lanes[lane + 1, start : start + points]
         low_before = lanes[lane, start - 1 + first : start + points - 1]
@@ -112,7 +112,7 @@ def _differences(lanes: Bytes, start: int, points: int, words: int, values: Byte
 
 @innermost
 def _at_least(eight: np.uint64, least: int) -> int:
-    """Count those of eight bytes that are ``least``, at most 128, or more."""
+    """Count the bytes of eight that are at least ``least``, which is at most 128."""
     below = (eight & _LOW_BITS) + np.uint64(128 - least) * _ONES
     return int((((below | eight) >> np.uint64(7) & _ONES) * _ONES) >> np.uint64(56))
 
@@ -143,7 +143,7 @@ def _choose(
         if fifteen < least:
             least, code = fifteen, 2
         first += least
-        # A group of more than 16 bytes would be legal in the first choice, but never pays.
+        # The format allows groups of more than 16 bytes in the first choice; they never save any.
         fits = fits and least <= GROUP
         second += min(least, GROUP)
         packed[group], codes[group] = least, code
@@ -201,9 +201,9 @@ def _copy_group(values: Bytes, count: int, out: Bytes, at: int) -> int:
 
 @innermost
 def _write_group(values: Bytes, bits: int, out: Bytes, at: int) -> int:
-    """Write a group (16,) at ``at``, ``bits`` a value and whole those that have not enough.
+    """Write a group (16,) at ``at`` with ``bits`` a value, and greater values as whole bytes.
 
-    Returns where it ends; the byte behind may have been written to, too.
+    Returns its end; the byte after the end may have been overwritten.
     """
     most = (1 << bits) - 1
     per_byte = 8 // bits
@@ -216,7 +216,7 @@ def _write_group(values: Bytes, bits: int, out: Bytes, at: int) -> int:
         out[at + place] = np.uint8(byte)
     at += GROUP // per_byte
     for place in range(GROUP):
-        # Without a branch, which would be foreseen badly.
+        # Branchless: the branch would be predicted badly.
         out[at] = values[place]
         at += values[place] >= most
     return at

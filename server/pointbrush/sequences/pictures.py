@@ -1,4 +1,4 @@
-"""Camera pictures beside a recording's frames, as they came.
+"""Camera pictures of a recording's frames, stored unchanged.
 
 Under ``cameras/``: ``NNNNNN.json`` lists the pictures of a frame with their projections, and
 ``NNNNNN.CC.jpg`` (``.png``, ``.webp``) is that of its camera CC.  A recording without that folder,

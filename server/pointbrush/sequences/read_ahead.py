@@ -1,4 +1,4 @@
-"""Fetching the frames after one that is looked at, so that playing does not wait for each."""
+"""Prefetching of the frames after the shown one, so that playback does not wait for each."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from pointbrush.errors import PointbrushError
 log = logging.getLogger(__name__)
 
 AHEAD_FRAMES = 16
-"""Frames that are fetched before anybody asks for them: half a second of playing."""
+"""Frames that are prefetched: half a second of playback."""
 AHEAD_BYTES = 256 << 20
-"""Of such frames together; at least one is fetched."""
+"""Most bytes of the prefetched frames; at least one frame is fetched."""
 THREADS = 6
 """Frames of one recording that are fetched at once."""
 REMEMBERED = 64
-"""Frames looked at last, which tell the direction, and wishes of several people that are kept."""
+"""Number of last shown frames, which give the direction, and of kept requests of all viewers."""
 
 
 class ReadAhead:
-    """Fetches frames in the direction in which they are looked at; thread-safe.
+    """Prefetches frames in the direction of playback; thread-safe.
 
-    The newest wishes go first: after a jump nobody waits for those of before.
+    The newest requests are served first, so that a jump does not wait for older ones.
     """
 
     def __init__(self, frames: int, nbytes: int, fetch: Callable[[int], None]) -> None:
@@ -37,7 +37,7 @@ class ReadAhead:
         self._lock = threading.Lock()
 
     def looked_at(self, index: int) -> None:
-        """Fetch the frames after ``index``, or before it, where people come from behind it."""
+        """Fetch the frames after ``index``, or before it if playback runs backwards."""
         with self._lock:
             seen = self._looked_at
             step = -1 if index + 1 in seen and index - 1 not in seen else 1

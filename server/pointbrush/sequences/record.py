@@ -86,7 +86,7 @@ def record(
 
 
 def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
-    """The greatest of all frames; what leaves as a depth image is rounded again by the page."""
+    """Return the greatest error of all frames; the page rounds points of depth images again."""
     error = max((record.error for record in records), default=0.0)
     if grid.lattice is None:
         return error
@@ -95,14 +95,14 @@ def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
 
 
 def _prefix(chunks: NDArray[Any]) -> int:
-    """Count the first points that are an even subsample: whole chunks, as far as they are few."""
+    """Count the first points that are an even subsample: few points of whole chunks."""
     stops = chunks["first"] + chunks["count"]
     few = stops[stops <= _PREFIX]
     return int(few.max(initial=0)) or _PREFIX
 
 
 def _says_something(name: str, arrays: Mapping[str, NDArray[Any]]) -> bool:
-    """Whether a frame has a field; labels that are all 0 are none, and nobody looks for them."""
+    """Return whether a frame has a field; labels that are all 0 count as no field."""
     return name in arrays and (name != "label" or bool(arrays[name].any()))
 
 

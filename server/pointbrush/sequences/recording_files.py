@@ -1,4 +1,4 @@
-"""Files of one recording, wherever they are: in a folder here, or in a bucket (``bucket.py``)."""
+"""Files of one recording, in a local folder or in a bucket (``bucket.py``)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from pointbrush.sequences.octree.arrays import file_digest
 class RecordingFiles(Protocol):
     """Files of one recording, named by their path in its folder; picklable, opened lazily.
 
-    ``path``         folder of this machine where the files are, as far as they are held.
+    ``path``         folder of this machine with the files that are held.
     ``open_frames``  frames that may be open at once.
     """
 
@@ -26,7 +26,7 @@ class RecordingFiles(Protocol):
 
     @property
     def path(self) -> Path:
-        """See above; raises what ``manifest`` raises."""
+        """See above; raises the errors of ``manifest``."""
         raise NotImplementedError
 
     def manifest(self) -> Manifest:
@@ -38,22 +38,22 @@ class RecordingFiles(Protocol):
         raise NotImplementedError
 
     def hold(self, index: int, part: str) -> AbstractContextManager[object]:
-        """Have a frame's files under the folder ``part`` at ``path`` while the result is kept.
+        """Keep a frame's files under the folder ``part`` at ``path`` while the result exists.
 
         Raises DamagedError, NotFoundError, UnavailableError.
         """
         raise NotImplementedError
 
     def is_gone(self) -> bool:
-        """Whether the recording is known not to be there any more; does not wait for anything."""
+        """Return whether the recording is known to be deleted; does not wait."""
         raise NotImplementedError
 
     def names(self) -> set[str]:
-        """All files but the manifest, checksums and what is found again."""
+        """Return all files except the manifest, checksums and files that can be computed again."""
         raise NotImplementedError
 
     def digest(self, name: str) -> str:
-        """The checksum of a file as it is now."""
+        """Return the current checksum of a file."""
         raise NotImplementedError
 
     def write(self, name: str, data: bytes) -> None:
@@ -63,8 +63,8 @@ class RecordingFiles(Protocol):
     def copy_to(self, target: Path, earlier: Path | None = None) -> None:
         """Copy all files into the new folder ``target``.
 
-        Those that the folder ``earlier``, a copy from before, has with the same checksum become
-        links to its files.
+        Files with the same checksum in ``earlier``, the folder of an earlier copy, become links
+        to its files.
         """
         raise NotImplementedError
 
@@ -124,7 +124,7 @@ class KeptFiles:
     """The files of a recording that an earlier copy of it has."""
 
     def __init__(self, checksums: dict[str, str] | None, earlier: Path | None) -> None:
-        """``checksums``: of the files as they are; ``earlier``: the folder of the copy."""
+        """``checksums``: of the current files; ``earlier``: the folder of the copy."""
         self._folder = earlier
         self._now = checksums or {}
         self._then = {} if earlier is None else FolderFiles(earlier).checksums() or {}
@@ -138,7 +138,7 @@ class KeptFiles:
             if file.stat().st_size == size:
                 os.link(file, place)
                 return True
-        except OSError:  # gone, or a disk that knows no links, or no more of them to one file
+        except OSError:  # removed, or a disk without links, or too many links to one file
             pass
         return False
 

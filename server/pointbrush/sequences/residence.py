@@ -1,7 +1,7 @@
-"""Mapped files and the page cache: whether looking at a mapping would wait for the disk.
+"""Mapped files and the page cache: whether reading a mapping would wait for the disk.
 
-Mapped bytes that are not in memory are read when they are looked at, by whoever looks, who waits.
-An event loop must not: it asks first, and has a thread read what is missing.
+The thread that accesses mapped bytes outside memory waits until they are read.  An event loop must
+not wait: it checks first, and lets a thread read missing bytes.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pointbrush.errors import DamagedError
 
 PAGE = mmap.PAGESIZE
 MADV_POPULATE_READ = 22
-"""Linux 5.14: read all pages; what cannot be read is an error and no signal."""
+"""Linux 5.14: read all pages; unreadable pages give an error instead of a signal."""
 LARGEST = 64 * 2**20
-"""Bytes that are asked about at once."""
+"""Most bytes of one query."""
 
 
 def _system() -> ctypes.PyDLL | None:
-    """The C library, called with Python's lock held: what is asked takes microseconds."""
+    """Return the C library, called with the GIL held, because the calls take microseconds."""
     try:
         library = ctypes.PyDLL(None)
         library.mincore.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
@@ -38,7 +38,7 @@ _library = _system()
 
 
 def can_tell(path: Path) -> bool:
-    """Whether ``in_memory`` knows about a file: others than its owner and writers may not ask."""
+    """Return whether ``in_memory`` works for a file; the system allows it to owner and writers."""
     if _library is None or sys.platform == "win32":
         return False
     try:
@@ -48,7 +48,7 @@ def can_tell(path: Path) -> bool:
 
 
 def in_memory(view: memoryview) -> bool:
-    """Whether all pages of a mapped ``view`` are in the page cache; False: nobody knows."""
+    """Return whether all pages of a mapped ``view`` are in the page cache; False if unknown."""
     if _library is None or not len(view):
         return not len(view)
     if len(view) > LARGEST:
@@ -69,12 +69,12 @@ def read_in(view: memoryview) -> None:
         return
     if sys.platform == "linux":
         start, length = _pages(view)
-        # Through CDLL, which lets go of Python's lock.
+        # CDLL releases the GIL during the call.
         if not ctypes.CDLL(None, use_errno=True).madvise(
             ctypes.c_void_p(start), ctypes.c_size_t(length), MADV_POPULATE_READ
         ):
             return
-        if ctypes.get_errno() == errno.EFAULT:  # looking at it would end the process
+        if ctypes.get_errno() == errno.EFAULT:  # accessing it would end the process
             raise DamagedError("expected mapped bytes, got a file that was cut short meanwhile")
     np.frombuffer(view, np.uint8)[::PAGE].sum()
 

@@ -1,4 +1,4 @@
-"""The room: where a recording stands when a person enters it."""
+"""The room: the placement of a recording around a person."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RoomFinder:
     """Collects samples of a recording's frames, however long it is, and places the room."""
 
     def __init__(self, shift: NDArray[np.float64], up: str | None = None) -> None:
-        """``shift`` is local = source − shift; ``up`` the axis that is said to point up."""
+        """``shift``: local = source − shift; ``up``: the up axis that a user gave, or None."""
         self._shift = shift
         self._up = None if up is None else axis_of(up)
         self._points: list[NDArray[np.float32]] = []
@@ -38,7 +38,7 @@ class RoomFinder:
         self._seen = 0
 
     def add(self, prefix: NDArray[np.float32], viewpoint: NDArray[np.float64] | None) -> None:
-        """An even subsample (n, 3) of one frame, local, and its sensor position in the source."""
+        """Add an even subsample (n, 3) of a frame, local, and its sensor position in the source."""
         if self._seen % self._stride == 0 and len(prefix):
             self._points.append(prefix)
             if len(self._points) > _KEEP:
@@ -52,7 +52,7 @@ class RoomFinder:
         """``T_room_local`` (4, 4): floor at y = 0, y up, -z ahead, the middle at the origin."""
         points = np.concatenate([np.empty((0, 3)), *self._points]).astype(np.float64)
         viewpoints = np.array(self._viewpoints).reshape(-1, 3)
-        # Far coordinates are a map's, and maps have z up.
+        # Coordinates far from the origin are map coordinates, which have z up.
         kind: Kind = "camera" if camera else "survey" if self._shift.any() else "unknown"
         floor = find_floor(points, viewpoints, kind, self._up)
         right = np.cross(floor.forward, floor.up)

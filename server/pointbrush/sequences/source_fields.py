@@ -1,4 +1,4 @@
-"""Fields and headers of a source kept beside a frame, so that exports give them back.
+"""Fields and headers of a source stored with a frame, so that exports contain them.
 
 Under ``fields/``, in the source's order of points: further fields in array files,
 ``NNNNNN.fields`` of a frame or ``NNNNNN.FIRST.fields`` of its points from FIRST on;
@@ -31,7 +31,7 @@ _DAMAGE = (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.err
 def write_source_fields(
     folder: Path, index: int, frame: PointFrame, first: int | None = None
 ) -> dict[str, str]:
-    """Keep what a frame has of its source; of its points from ``first`` on, where it is a part.
+    """Store a frame's source fields; ``first``: number of the first point, if it is a part.
 
     Returns the checksums of the files by their paths in ``folder``.
     """
@@ -49,7 +49,7 @@ def write_source_fields(
         write_file(path, header)
         checksums[path.name] = digest(header)
     if rows is not None:
-        # Differences: a run of points costs nothing.
+        # Differences of consecutive rows are zero and compress well.
         steps = np.diff(rows, prepend=-1) - 1
         checksums |= write_arrays(place / f"{stem}.rows", {_SKIPPED: steps.astype(np.uint32)}, {})
     return {f"{FIELDS}/{name}": value for name, value in checksums.items()}
@@ -102,7 +102,7 @@ def _read(path: Path, checksums: Mapping[str, str], index: int, count: int) -> A
 
 def _arrays(path: Path, checksums: Mapping[str, str]) -> Arrays:
     """The arrays of a file; in an ``.npz`` further fields are numbered, beside their ``names``."""
-    if path.suffix != ".npz":  # which has checksums of its own
+    if path.suffix != ".npz":  # an .npz has internal checksums
         stamp, data = stamp_of(path), path.read_bytes()
         verifier.require_bytes(path, stamp, data, checksums.get(f"{FIELDS}/{path.name}"))
         return parse_arrays(path, data, ())

@@ -24,9 +24,9 @@ Reader = Callable[[int, int], Mapping[str, NDArray[Any]]]
 
 
 def source_blocks(frame: StoredFrame, read: Reader) -> Iterator[Columns]:
-    """Values that ``read`` gives, in source order: consecutive blocks, at least one.
+    """Yield the values of ``read`` in source order: consecutive blocks, at least one.
 
-    ``read(first, stop)`` gives columns of the points ``first`` to before ``stop``, stored order.
+    ``read(first, stop)`` returns columns of the points ``first`` to before ``stop``, stored order.
     """
     most = BLOCK_POINTS if frame.large else max(frame.count, 1)
     pieces = [
@@ -49,7 +49,7 @@ def source_blocks(frame: StoredFrame, read: Reader) -> Iterator[Columns]:
 
 
 def _gather(block: Columns, size: int, place: NDArray[np.int64], first: int, read: Reader) -> None:
-    """Put the points of a piece from stored number ``first`` on that belong into the block."""
+    """Copy the points of a piece, from stored number ``first`` on, that belong to the block."""
     mine = np.flatnonzero((place >= 0) & (place < size))
     begin, end = (int(mine[0]), int(mine[-1]) + 1) if len(mine) else (0, 0)
     if begin == end and block:

@@ -40,7 +40,7 @@ class Sequence:
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type[Sequence], tuple[RecordingFiles]]:
-        """Another process opens it anew."""
+        """Pickle the place of the files; another process opens the recording again."""
         return Sequence, (self.files,)
 
     def __len__(self) -> int:
@@ -54,7 +54,7 @@ class Sequence:
             if frame is not None:
                 self._frames.move_to_end(index)
                 return frame
-        # Outside the lock: its files may have to come from far away.
+        # Outside the lock: fetching its files may take long.
         opened = StoredFrame(self._files(index), self.manifest)
         with self._lock:
             frame = self._frames.setdefault(index, opened)
@@ -78,7 +78,7 @@ class Sequence:
             )
 
     def source_header(self, index: int) -> bytes | None:
-        """The header of a frame's source as its format keeps it, or None."""
+        """Return the header of a frame's source, as stored by its format, or None."""
         with self.files.hold(index, FIELDS):
             return read_source_header(self.path, index)
 

@@ -55,7 +55,7 @@ _CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
 class StoredFrame:
     """One frame; arrays are read-only, in stored order, shared by all threads.
 
-    Whatever reads its files raises DamagedError, naming the frame, when they are not whole.
+    Every method that reads its files raises DamagedError, naming the frame, if they are damaged.
 
     ``pose``          (4, 4) ``T_world_frame`` in the source's coordinates, or None.
     ``viewpoint``     (3,) the sensor's position, local metres, or None.
@@ -78,12 +78,12 @@ class StoredFrame:
 
     @property
     def xyz(self) -> NDArray[np.float32]:
-        """(N, 3) float32, local metres; of an octree's frame, ``coordinates`` costs less memory."""
+        """(N, 3) float32, local metres; for an octree, ``coordinates`` takes less memory."""
         return self._files.array("xyz")
 
     @property
     def coordinates(self) -> NDArray[np.float32] | Coordinates:
-        """The same by number: of an octree's frame only the points that are asked for."""
+        """Local coordinates by point number; an octree unpacks only the requested points."""
         return self._files.coordinates()
 
     @property
@@ -106,12 +106,12 @@ class StoredFrame:
 
     @property
     def label(self) -> NDArray[np.uint16] | None:
-        """(N,) annotation that came with the source, or None."""
+        """(N,) annotation of the source, or None."""
         return self._column("label")
 
     @property
     def instance(self) -> NDArray[np.uint16] | None:
-        """(N,) instance numbers that came with the source, or None."""
+        """(N,) instance numbers of the source, or None."""
         return self._column("instance")
 
     @property
@@ -168,26 +168,26 @@ class StoredFrame:
     def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
         """Rows ``first`` to before ``stop`` of a stored array.
 
-        Of an octree's frame they are read, not mapped: passing through all of it must not make
-        all of it this process's memory.
+        Rows of an octree are read instead of mapped, so that reading all rows in turn does not
+        fill this process's memory.
         """
         return self._files.rows(name, first, stop)
 
     def release(self) -> None:
-        """Let go of the mapped memory that was looked at; it comes again when it is looked at.
+        """Release the pages of mapped memory that were read; the next access reads them again.
 
-        Raises DamagedError when a file has been cut short meanwhile.
+        Raises DamagedError if a file has been truncated.
         """
         self._files.release()
 
     def look(self) -> None:
-        """Raise DamagedError when what is mapped of the frame has been cut short."""
+        """Raise DamagedError if a mapped file of the frame has been truncated."""
         self._files.look()
 
     def verify(self, names: Collection[str]) -> int:
         """Compare the files of columns ``names`` with their checksums, unless this process has.
 
-        ``source_index``, and what ``xyz`` needs, belong to them.  Raises DamagedError: call this
+        They include ``source_index`` and the arrays of ``xyz``.  Raises DamagedError: call this
         before the first byte of a long answer.  Returns the files' bytes.
         """
         return self._files.verify(

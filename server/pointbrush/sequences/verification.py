@@ -1,7 +1,7 @@
-"""Comparing a recording's files with the checksums they were imported with, once in each process.
+"""Comparison of a recording's files with the checksums of their import, once in each process.
 
-A file is compared again when it has changed (inode, size or time).  Small files are compared before
-they are used; large ones, and what is only looked up in, by a thread in the background.
+A file is compared again after a change (of inode, size or time).  Small files are compared before
+they are used; large files, and files for lookups, by a thread in the background.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ log = logging.getLogger(__name__)
 
 PIECE_BYTES = 1 << 22
 BACKGROUND_SHARE = 0.25
-"""Share of one core, and of the disk's time, that comparing in the background may take."""
+"""Share of one core and of the disk's time for comparison in the background."""
 REMEMBERED = 65_536
-"""Files whose outcome is kept; about 250 bytes each."""
+"""Number of files with a remembered result; about 250 bytes each."""
 
 
 class Stamp(NamedTuple):
@@ -36,7 +36,7 @@ class Stamp(NamedTuple):
 
 
 def stamp_of(path: Path) -> Stamp:
-    """The state of a file; raises DamagedError when it is missing or cannot be looked at."""
+    """Return the state of a file; raise DamagedError if it is missing or unreadable."""
     try:
         found = path.stat()
     except OSError as error:
@@ -58,7 +58,7 @@ class Verifier:
         self._thread: threading.Thread | None = None
 
     def refuse_damaged(self, path: Path) -> None:
-        """Raise DamagedError when a file is known to be damaged; costs a look into a table."""
+        """Raise DamagedError if a file is known to be damaged; takes one table lookup."""
         stamp, problem = self._outcomes.get(str(path), _SOUND)
         if problem and stamp_of(path) == stamp:
             raise DamagedError(problem)
@@ -79,7 +79,7 @@ class Verifier:
         return True
 
     def require(self, path: Path, checksum: str | None) -> Stamp:
-        """Compare a file now, unless it was; raises DamagedError.  No checksum: it must be there.
+        """Compare a file unless it was; raise DamagedError.  Without checksum, it must exist.
 
         Two threads may compare the same file at once.
         """
@@ -90,7 +90,7 @@ class Verifier:
         return stamp
 
     def require_bytes(self, path: Path, stamp: Stamp, data: bytes, checksum: str | None) -> None:
-        """Compare what was read of a file in the state ``stamp``; raises DamagedError."""
+        """Compare the bytes read of a file in the state ``stamp``; raise DamagedError."""
         if checksum is None or self.knows(path, stamp):
             return
         self._remember(path, stamp, sha256(data).hexdigest(), checksum)
@@ -119,7 +119,7 @@ class Verifier:
                 if not self.knows(path, stamp):
                     self._compare(path, checksum, stamp, BACKGROUND_SHARE)
             except DamagedError:
-                pass  # deleted meanwhile, or found by somebody else
+                pass  # the file was deleted, or another thread found the damage
             except UnavailableError as error:
                 log.warning("%s is compared when it is used next: %s", path, error)
             except Exception:
@@ -128,7 +128,7 @@ class Verifier:
                 self._queued.discard(path)
 
     def _compare(self, path: Path, checksum: str, stamp: Stamp, share: float) -> None:
-        """Read the whole file, taking ``share`` of the time, and note the outcome."""
+        """Read the whole file, taking ``share`` of the time, and store the result."""
         found = sha256()
         try:
             with path.open("rb") as file:
@@ -161,4 +161,4 @@ class Verifier:
 
 
 verifier = Verifier()
-"""The process's own."""
+"""The verifier of this process."""

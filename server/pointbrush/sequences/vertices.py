@@ -18,13 +18,13 @@ RELATIVE = 1
 DROPPED_SHIFT, MOST_DROPPED = 1, 2
 """Places of the flags that count the low bits lost by r, g and b, and the most they lose."""
 PACKED = 3
-"""In their place: the bytes of r and g hold all three, 5, 6 and 5 bits from the lowest on."""
+"""Value of these flags for r, g and b in two bytes, 5, 6 and 5 bits from the lowest on."""
 
 _FLAGS = 10
 _WORDS = 1
 """Four bytes of x and y are encoded as words; z shares its four with colours."""
 _SAMPLE, _RUN = 32, 64
-"""So many runs of so many points stand for a larger chunk."""
+"""Runs, and points of each run, that represent a larger chunk."""
 
 
 def encode(
@@ -44,7 +44,7 @@ def encode(
     flags = dropped << DROPPED_SHIFT
     q = quantised.q if order is None else quantised.q.take(order, axis=0)
     colors = colors if order is None else colors.take(order, axis=0)
-    # Black stands for no colour: what is nearly black must not become it.
+    # Black means no colour: a nearly black colour must not become black.
     if dropped == PACKED:
         colors = np.column_stack((_packed(colors), np.zeros_like(colors[:, :1]), colors[:, 3:]))
     elif dropped:
@@ -64,7 +64,7 @@ def _packed(colors: Bytes) -> Bytes:
 
 
 def plain_colors(vertices: Bytes) -> None:
-    """Give decoded vertices (N, 12) their own colours in place, as the page does."""
+    """Replace the colours of decoded vertices (N, 12) by plain ones in place, as the page does."""
     related = (vertices[:, _FLAGS] & RELATIVE).astype(np.bool_)
     vertices[related, 6] += vertices[related, 7]
     vertices[related, 8] += vertices[related, 7]
@@ -84,7 +84,7 @@ def plain_colors(vertices: Bytes) -> None:
 def are_related(colors: Bytes) -> bool:
     """Whether r and b of colours (N, 4) change less from point to point relative to g.
 
-    Looks at runs all over the chunk; what counts is the bits of each change.
+    Compares the bits of each change along runs spread over the chunk.
     """
     if len(colors) == 0:
         return False
@@ -95,7 +95,7 @@ def are_related(colors: Bytes) -> bool:
 
 
 def runs_of(count: int) -> NDArray[np.int64]:
-    """(runs, points) numbers of points of runs all over a chunk of ``count``."""
+    """Return the numbers (runs, points) of runs of points spread over a chunk of ``count``."""
     starts = np.arange(_SAMPLE) * max(count - _RUN, 0) // _SAMPLE
     numbers: NDArray[np.int64] = np.minimum(starts[:, None] + np.arange(_RUN), count - 1)
     return numbers

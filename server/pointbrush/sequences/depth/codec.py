@@ -1,9 +1,9 @@
 """Depths of a lattice's pixels → bytes and back: interlaced prediction, and rANS.
 
-The pixels of a ``Band`` are gone through in the order of its points.  Each is predicted from the
-two known ones beside it (their mean), or in level 0 from those left, above and between (the median
-that JPEG-LS takes).  What is left is a token, whose frequencies depend on how far the two differ,
-and low bits.  docs/depth-format.md describes the bytes.
+The pixels of a ``Band`` are coded in the order of its points.  Each is predicted from the two known
+pixels beside it (their mean), or in level 0 from the pixels left, above and above left (the median
+of JPEG-LS).  The remainder is low bits and a token; the frequencies of tokens depend on the
+difference of the two pixels.  docs/depth-format.md describes the bytes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ STATES = 4
 """States of a coder: pixels take turns, so that a processor decodes several at once."""
 WORD_BITS = 16
 LOWEST = 1 << WORD_BITS
-"""A decoder's state is at least this: below it takes another word, of WORD_BITS."""
+"""Least state of a decoder; below it, the decoder reads another word of WORD_BITS."""
 _BITS = np.array([value.bit_length() for value in range(256)], np.uint8)
 
 
@@ -50,7 +50,7 @@ def _bits(value: int) -> int:
 
 @innermost
 def _predict(image: Image, row: int, column: int, band: Band, last: int) -> tuple[int, int]:
-    """The depth that is expected in a pixel, and the context."""
+    """Return the predicted depth of a pixel, and its context."""
     half, between = band.half, 0
     if half == 0:
         one = int(image[row, column - band.across]) if column >= band.across else 0
@@ -126,7 +126,7 @@ def _frequencies(counts: NDArray[np.int64]) -> NDArray[np.int64]:
         for token in range(len(share)):
             if counts[context, token]:
                 share[token] = max(1, (counts[context, token] * SCALE + total // 2) // total)
-        # What rounding left over or took too much goes to the most frequent: it costs least there.
+        # The most frequent tokens take the rounding error: it costs least there.
         while share.sum() != SCALE:
             greatest = np.argmax(share)
             rest = SCALE - share.sum()

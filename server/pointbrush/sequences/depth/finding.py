@@ -16,7 +16,7 @@ from pointbrush.tracking.sensors.camera import Lens, find_lens
 
 MILLIMETRE = 0.001
 WHOLE = 0.02
-"""Greatest distance of a depth from whole millimetres, in these, where a camera counts them."""
+"""Greatest difference of depths from whole millimetres, for cameras that measure in them."""
 FIT_SHARE = 1 / 8
 """Greatest distance of a point from its pixel's ray, as a share of the grid's step."""
 MARGIN_SHARE = 1 / 32
@@ -28,14 +28,15 @@ def find_lattice(
 ) -> Lattice | None:
     """The lattice that a frame's points ``xyz`` (N, 3), local metres, lie on; None without one.
 
-    A depth image says it; else it is looked for from the sensor's place, or the origin.  ``step``
-    of the recording's grid, metres: depths are as fine, where the camera did not count millimetres.
+    A depth image defines it; otherwise it is searched from the sensor's place, or the origin.
+    ``step``: the recording's grid, metres, which is the unit of depths if the camera does not
+    measure whole millimetres.
     """
     if frame.intensity is not None:  # a picture holds three values a pixel
         return None
     viewpoint = None if frame.viewpoint is None else frame.viewpoint - shift
     options = TrackerOptions()
-    # All points: every so many of a whole image may lie in every so many of its columns.
+    # All points: a regular sample of an image may contain only some of its columns.
     options = replace(options, lens=replace(options.lens, sampled_points=len(xyz)))
     lens = find_lens(PositionsFrame(xyz, viewpoint), options=options)
     if lens is None or not lens.lattice:

@@ -1,9 +1,9 @@
-"""Frames of a depth camera as images: which point is where in them, and their bytes on the wire.
+"""Frames of a depth camera as images: the pixels of their points, and their bytes on the wire.
 
 A chunk is a ``Band`` of the lattice.  Its bytes are three numbers (uint32, little-endian), the
 lengths of the first three of four parts: a picture in JPEG (empty where the chunk brings none),
-frequencies, tokens and low bits (``codec``).  Ahead of the first chunk's frequencies are the depths
-that occur, where those are few: pixels then hold numbers of them.
+frequencies, tokens and low bits (``codec``).  If few depths occur, a list of them precedes the
+first chunk's frequencies, and pixels hold indices of it.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ from pointbrush.sequences.depth.lattice import FARTHEST, Lattice, Pixels
 from pointbrush.sequences.depth.projection import Placed, empty_image, visit
 
 QUALITIES = ((85, "4:2:0"), (87, "4:2:2"), (92, "4:2:2"), (97, "4:4:4"))
-"""JPEG qualities and samplings of colour, tried until the colours are near enough."""
+"""JPEG qualities and chroma samplings, tried until the colour error is small enough."""
 COARSE_QUALITY = 75, "4:2:0"
-"""The same of smaller pictures, which are seen until a finer one is there."""
+"""Quality and sampling of smaller pictures, which are shown until a finer one arrives."""
 COLOR_ERROR = 6.0
 """Greatest root mean square difference of a picture's colours from a frame's own, of 255."""
 _JPEG_PIXEL = 4
-"""Bytes that a pixel of a JPEG file takes at most, where all is noise."""
+"""Most bytes of a pixel of a JPEG file, reached by noise."""
 SPARSE = 1.5
-"""Depths are numbered where they could be so many times as many as they are."""
+"""Depths are indexed if the range of depths is at least so many times the number of depths."""
 
 _LENGTHS = struct.Struct("<3I")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Depth:
-    """A frame's chunks as they go over the wire, and how far they are from the frame's values.
+    """A frame's encoded chunks, and their errors.
 
     ``error`` metres along the camera's axis, ``side_error`` along the others.
     """
@@ -56,7 +56,7 @@ class Depth:
 
 
 def encode_depth(lattice: Lattice, placed: Placed, rgb: Bytes | None) -> Depth | None:
-    """Encode a frame in a lattice; None where its colours would be too far off."""
+    """Encode a frame in a lattice; return None if its colour error would be too large."""
     found = placed.found
     pictures = _pictures(lattice, found.number, rgb)
     if pictures is None:
@@ -115,7 +115,7 @@ class _Pictures:
 
 
 def _pictures(lattice: Lattice, number: NDArray[np.int32], rgb: Bytes | None) -> _Pictures | None:
-    """The pictures of a frame; None where JPEG cannot say its colours well enough."""
+    """Return the pictures of a frame, or None if JPEG's colour error is too large."""
     if rgb is None:
         return _Pictures({}, 0.0)
     colors = rgb.take(_spread(number), axis=0)
@@ -133,7 +133,7 @@ def _jpeg(colors: Bytes, quality: int, sampling: str) -> bytes:
     from PIL import Image as Pillow
     from PIL import ImageFile
 
-    # Pillow raises OSError for a picture that takes more than its buffer, as one of noise may.
+    # Pillow raises OSError for a picture larger than its buffer, such as noise.
     most = _JPEG_PIXEL * colors.shape[0] * colors.shape[1]
     ImageFile.MAXBLOCK = max(ImageFile.MAXBLOCK, most)
     out = io.BytesIO()
@@ -164,9 +164,9 @@ def _mean_square(shown: Bytes, colors: Bytes, number: NDArray[np.int32]) -> floa
 
 
 def _numbered(image: Image) -> tuple[Image, bytes]:
-    """The image with numbers of depths, where few occur, and the list of these.
+    """Return the image with indices of depths if few occur, and the encoded list of depths.
 
-    The list goes ahead of the first frequencies.
+    The list precedes the first frequencies.
     """
     occurs = np.flatnonzero(_occurring(image)[1:]) + 1
     if int(occurs[-1] - occurs[0]) < SPARSE * len(occurs):
@@ -196,9 +196,9 @@ def _read_listed(data: bytes) -> tuple[NDArray[np.int64], int]:
 
 @compiled
 def _spread(number: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The same with each pixel without a point taking the one to its left, or its right.
+    """Return the image with each pixel without a point replaced by the one to its left or right.
 
-    An empty row takes the one above, so that no colour ends where nobody sees it.
+    An empty row is replaced by the row above, so that empty pixels add no edges to the picture.
     """
     out = number.copy()
     height, width = out.shape

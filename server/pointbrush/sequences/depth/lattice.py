@@ -1,6 +1,6 @@
 """The pixel lattice of a depth camera, and the interlaced levels that its images are sent in.
 
-A lattice says where the ray of each pixel goes, so that a point is a pixel and a depth.  Levels are
+A lattice defines the ray of each pixel, so that a point is a pixel and a depth.  Levels are
 lattices, too: level 0 holds every ``2**k``-th row and column, and each further one halves the
 distance between columns, then that between rows, so that a prefix of levels is a smaller image.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from pointbrush.sequences.octree.order import LEVEL0_POINTS
 
 DEPTH_FORMAT = 2
-"""Version of depth images' bytes (``codec``); recordings of an older one go as points."""
+"""Version of depth images' bytes (``codec``); recordings of an older one are sent as points."""
 STRIP = 16
 """Rows of a strip: points of a level are numbered strip by strip, column by column within one."""
 CHUNK_PIXELS = 65536
@@ -29,16 +29,16 @@ GRID_CELLS = 65535
 """Cells of the grid, along each side of a recording's box, that a page may round points to; along
 the camera's axis it need not."""
 GRID_ROUNDING = 0.51
-"""Greatest distance that this moves a point along a side, in cells: half of one, and what single
-precision adds."""
+"""Greatest shift of a point along a side by this rounding, in cells: half a cell, and the error of
+single precision."""
 
 
 class Band(NamedTuple):
-    """The pixels of a chunk: those of ``level`` from ``row`` to before ``stop``.
+    """The pixels of a chunk: the rows of ``level`` from ``row`` to before ``stop``.
 
     ``down`` and ``across`` are the steps from row to row and column to column, ``half`` the
-    distance to the neighbours that are known, 0 in level 0; ``vertical``: they are above and below.
-    ``step`` of the lattice that is complete behind the level.
+    distance to the known neighbours, 0 in level 0; ``vertical``: they are above and below.
+    ``step``: the step of the lattice that is complete after the level.
     """
 
     level: int
@@ -72,7 +72,7 @@ class Lattice:
 
     @property
     def sides(self) -> tuple[int, int]:
-        """The axes that columns and rows go along."""
+        """The axes along which column and row numbers increase."""
         across, down = (axis for axis in range(3) if axis != self.axis)
         return across, down
 
@@ -134,7 +134,7 @@ class Lattice:
     def picture_step(self, band: Band) -> int:
         """Distance between the pixels of the picture that a band's colours are in: 1, 2, 8, 32 …
 
-        What is sent twice is little, and the first level brings a small picture of its own.
+        The steps keep the bytes of repeated pixels few; the first level has a small picture.
         """
         step = 1
         while (finer := 2 if step == 1 else 4 * step) <= band.step:
@@ -142,7 +142,7 @@ class Lattice:
         return step
 
     def carries_picture(self, chunk: int) -> bool:
-        """Return whether a chunk brings a picture: the first one whose colours are in it."""
+        """Return whether a chunk carries a picture: it is the first one with colours in it."""
         if chunk == 0:
             return True
         before, band = self.bands[chunk - 1 : chunk + 1]

@@ -71,7 +71,7 @@ def _find(
     image: Image,
     error: NDArray[np.float64],
 ) -> bool:
-    """Fill in what ``Found`` holds; False where a point has no pixel of its own."""
+    """Fill in the arrays of ``Found``; return False if a point has no separate pixel."""
     along, across, down = axes
     left, top, right_step, down_step, sign, unit = ray
     height, width = number.shape
@@ -100,9 +100,9 @@ def _find(
 
 
 def place(lattice: Lattice, xyz: NDArray[np.float32], most_error: float) -> Placed | None:
-    """Find points (N, 3), local metres, in a lattice; None where they do not go as a depth image.
+    """Find points (N, 3), local metres, in a lattice; return None if they fit no depth image.
 
-    They do where each is within ``most_error`` metres of its pixel and each band has a point.
+    They fit if each point is within ``most_error`` metres of its pixel and each band has a point.
     """
     found = find(lattice, xyz)
     if found is None or found.error.max() > most_error:
@@ -119,7 +119,7 @@ def place(lattice: Lattice, xyz: NDArray[np.float32], most_error: float) -> Plac
 def visit(number: NDArray[np.int32], band: Band, out: NDArray[np.int64], at: int) -> int:
     """Write a band's numbers (height, width) that are not negative, in the order of its points.
 
-    They go to ``out`` from ``at`` on; returns where they end.
+    They are written to ``out`` from ``at`` on; returns their end.
     """
     width = number.shape[1]
     for strip in range(band.row, band.stop, STRIP * band.down):

@@ -1,4 +1,4 @@
-"""Work on a few jobs ahead of what is asked for: reading, computing and writing overlap."""
+"""Computation of a few results ahead: reading, computing and writing overlap."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
 WORKERS = 2
-"""Threads; numpy, scipy and compiled loops let go of the interpreter's lock."""
+"""Threads; numpy, scipy and compiled loops release the GIL."""
 
 T = TypeVar("T")
 A = TypeVar("A")
@@ -21,10 +21,10 @@ def ahead(
     most: float = WORKERS,
     size: Callable[[A], float] = lambda _: 1.0,
 ) -> Iterator[T]:
-    """Results of ``work`` in the order of ``jobs``; ``most`` of them are worked on ahead.
+    """Yield results of ``work`` in the order of ``jobs``, computing at most ``most`` ahead.
 
-    ``size`` of a job is a share of the memory of a large one: more small jobs are worked on ahead,
-    so that no worker waits for another's large one.
+    ``size`` of a job is a share of the memory of a large one: more small jobs are computed ahead,
+    so that no worker waits for another worker's large job.
     """
     pending: deque[tuple[Future[T], float]] = deque()
     held = 0.0

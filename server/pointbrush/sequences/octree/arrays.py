@@ -3,7 +3,7 @@
 A small frame is one file: magic, length of a JSON header, the header, then each array at a
 multiple of 64 bytes: plain, or, where it is shorter so, its first bytes, its second bytes and so on
 packed by LZ4.  A large frame, written piece by piece, is a folder of ``.npy`` files.
-Whoever reads here gets all that was asked for, or DamagedError.
+Every function that reads returns all requested data or raises DamagedError.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _ALIGN = 64
 _WORTH_PACKING = 4096
 """Bytes of an array; smaller ones stay plain."""
 _MOST_GAIN = 255
-"""Bytes that LZ4 makes of one at most: a damaged header must not take all memory."""
+"""Greatest ratio of LZ4 compression: a damaged header must not allocate all memory."""
 _PIECE = 1 << 22
 POINTS = ("xyz", "source_index", "chunks")
 """Arrays that every frame has."""
@@ -81,7 +81,7 @@ def pack_arrays(arrays: Mapping[str, NDArray[Any]], meta: Mapping[str, Any]) -> 
 
 
 def _pack(array: NDArray[Any]) -> bytes | None:
-    """Return an array's bytes, those of the same place together, packed; None: not worth it."""
+    """Return an array's bytes grouped by place in the item and packed; None: hardly shorter."""
     if array.nbytes < _WORTH_PACKING or array.dtype.hasobject:
         return None
     places = array.view(np.uint8).reshape(len(array), -1).T
@@ -135,7 +135,7 @@ class Layout:
 
 @contextlib.contextmanager
 def _damaged(path: Path) -> Iterator[None]:
-    """Tell whatever reading a damaged file raises as DamagedError."""
+    """Convert the errors of reading a damaged file to DamagedError."""
     try:
         yield
     except OSError as error:
@@ -253,7 +253,7 @@ def read_rows(path: Path, first: int, stop: int) -> NDArray[Any]:
 
 
 def release(array: NDArray[Any]) -> None:
-    """Take the pages of a mapped ``.npy`` out of this process's memory; others are left alone."""
+    """Remove the pages of a mapped ``.npy`` from this process's memory; ignore other arrays."""
     if isinstance(array.base, np.memmap) and hasattr(mmap, "MADV_DONTNEED"):
         array.base._mmap.madvise(mmap.MADV_DONTNEED)  # type: ignore[attr-defined]  # numpy's own
 

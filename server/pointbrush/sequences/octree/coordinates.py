@@ -1,4 +1,4 @@
-"""Coordinates of an octree's points: packed so that they come back as the source had them."""
+"""Coordinates of an octree's points, packed without loss."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from pointbrush.sequences.octree.packed import PACKED, WIDTH, Packed
 
 _WORD_BITS = 64
 _SAMPLE = 4096
-"""Points of which it is told whether coordinates are decimals."""
+"""Points by which decimal coordinates are recognised."""
 _MOST_DECIMALS = {4: 4, 8: 6}
-"""Decimals that are looked for by the bytes of a float; with more, float32 has all its values."""
+"""Most decimals to look for by the bytes of a float; with more, every float32 would match."""
 _MOST_WORDS = 3
-"""Words of a point whose coordinates have all their bits."""
+"""Most words of a point: its coordinates with all their bits."""
 
 Which = slice | NDArray[np.integer[Any]]
 
 
 def scaling_of(frame: PointFrame) -> NDArray[np.float64]:
-    """Scale, offset and divisor (3, 3) of a source's whole numbers by axis, zeros for no such.
+    """Return scale, offset and divisor (3, 3) of a source's integers by axis, zeros for floats.
 
     A coordinate is ``whole × scale / divisor + offset``, which gives decimals exactly.
     """
     some = frame.xyz[:: max(len(frame) // _SAMPLE, 1)]
     if frame.scaling is not None:
         scale, offset = frame.scaling.scale, frame.scaling.offset
-        # Another unit, or a turn, may have been chosen for the import.
+        # The import may have changed the unit or rotated the points.
         kept = np.rint((some - offset) / scale) * scale + offset == some
         if kept.mean() > 1 / 2:
             return np.array([scale, offset, np.ones(3)])
@@ -40,10 +40,10 @@ def scaling_of(frame: PointFrame) -> NDArray[np.float64]:
 
 
 def _decimals(values: NDArray[Any]) -> float:
-    """The least power of ten of which values (N,) are whole fractions; 0 for none that is usual."""
+    """Return the least power of ten that makes values (N,) whole, or 0 for too many decimals."""
     for power in range(_MOST_DECIMALS[values.dtype.itemsize] + 1):
         divisor = 10.0**power
-        with np.errstate(over="ignore"):  # infinities, which give no coordinate back
+        with np.errstate(over="ignore"):  # infinities, which match no coordinate
             whole = np.rint(values.astype(np.float64) * divisor)
         if np.array_equal((whole / divisor).astype(values.dtype), values):
             return divisor
@@ -54,7 +54,7 @@ def pack_coordinates(
     source: NDArray[Any], scaling: NDArray[np.float64], first: NDArray[np.int64]
 ) -> Packed:
     """Pack source coordinates (N, 3) of the blocks ``first[b]:first[b + 1]``."""
-    # Compiled loops, which only an import needs.
+    # Imported on first use: loading compiled loops takes long, and only an import needs them.
     from pointbrush.sequences.octree.loops import pack
 
     source, blocks = np.ascontiguousarray(source), len(first) - 1
@@ -65,7 +65,7 @@ def pack_coordinates(
 
 
 def load_loops() -> None:
-    """Load the compiled loops: it takes half a second, better before somebody waits for them."""
+    """Load the compiled loops, which takes half a second, before the first request needs them."""
     import_module("pointbrush.sequences.octree.loops")
 
 
@@ -77,7 +77,7 @@ def _patterns(source: NDArray[Any]) -> NDArray[np.signedinteger[Any]]:
 class Coordinates:
     """Packed coordinates (N, 3): ``coordinates[numbers]`` are local ones, float32 metres.
 
-    Only what is asked for is unpacked.
+    Only the requested points are unpacked.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class Coordinates:
     def _unpack(
         self, numbers: NDArray[np.int64], words: NDArray[np.uint64], first_word: int
     ) -> NDArray[Any]:
-        # Compiled loops, which load with the first points of an octree that are asked for.
+        # Loaded with the first request for points of an octree.
         from pointbrush.sequences.octree.loops import unpack
 
         out = np.empty((len(numbers), 3), self._dtype)

@@ -16,13 +16,13 @@ from pointbrush.sequences.octree.order import MAX_POINTS
 from pointbrush.sequences.octree.quantise import base_step, coarsest_step
 
 FAR = 1024.0
-"""Coordinates beyond this (metres) are shifted: float32 has less than 0.1 mm left there."""
+"""Coordinates beyond this (metres) are shifted: float32 is coarser than 0.1 mm there."""
 _SAMPLE = 500_000
 """Intensities of which quantiles are taken, evenly from all."""
 
 
 class GridChooser:
-    """Fixes shift, grid, lattice and intensity range by the first frame that can tell."""
+    """Chooses shift, grid, lattice and intensity range from the first frame that defines them."""
 
     def __init__(self) -> None:
         self.grid = Grid(np.zeros(3), base_step(0.0), None)
@@ -56,10 +56,10 @@ def _ends(xyz: NDArray[np.floating]) -> NDArray[np.floating]:
 def _lattice(
     frames: Sequence[PointFrame], shift: NDArray[np.float64], step: float
 ) -> Lattice | None:
-    """The lattice of whole frames; parts of one are of no depth camera."""
+    """Return the lattice of whole frames; a frame in parts is not of a depth camera."""
     if len(frames) != 1 or len(frames[0]) > MAX_POINTS:
         return None
-    # Here, since it loads the tracker's sensors, which only an import needs.
+    # Imported here because it loads the tracker's sensors, which only an import needs.
     from pointbrush.sequences.depth.finding import find_lattice
 
     return find_lattice(frames[0], to_local(frames[0].xyz, shift), shift, step)
@@ -75,7 +75,7 @@ def choose_shift(lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np
 
 
 def intensity_range(intensity: NDArray[np.float32]) -> tuple[float, float]:
-    """Source values that stream as 0 and 255: the unit's whole range where it is plain."""
+    """Return the source values that stream as 0 and 255: a common unit's whole range if it fits."""
     finite = intensity[np.isfinite(intensity)]
     if len(finite) == 0:
         return 0.0, 1.0
@@ -84,7 +84,7 @@ def intensity_range(intensity: NDArray[np.float32]) -> tuple[float, float]:
         return 0.0, 1.0
     if low >= 0 and high <= 255:
         return 0.0, 255.0
-    # A few retro-reflectors must not turn all else black.
+    # A few retro-reflectors must not make all other points black.
     sample = finite[:: max(len(finite) // _SAMPLE, 1)]
     low, high = (float(value) for value in np.quantile(sample.astype(np.float64), (0.001, 0.995)))
     return (low, high) if high > low else (low, low + 1.0)

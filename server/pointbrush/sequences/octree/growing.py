@@ -21,7 +21,7 @@ from pointbrush.sequences.octree.segment import Segment
 _COPY = 1 << 24
 _WORD = np.dtype("<u8")
 _DIRTY = 1 << 26
-"""Bytes written after which the disk is set to work while the next segments are encoded."""
+"""Bytes written after which a sync starts while the next segments are encoded."""
 
 
 def _write_header(out: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any]) -> int:
@@ -35,7 +35,7 @@ def _write_header(out: BinaryIO, shape: tuple[int, ...], dtype: np.dtype[Any]) -
 
 
 class Column:
-    """An array (rows, …) on disk; parts are written anywhere, what is never written is zero."""
+    """An array (rows, …) on disk; parts are written in any order, unwritten rows are zero."""
 
     def __init__(self, path: Path, rows: int, like: NDArray[Any]) -> None:
         """``like`` gives the type and the shape of one row."""
@@ -55,7 +55,7 @@ class Column:
         write_all(self._file.fileno(), data.data.cast("B"), self._start + first * self._row)
 
     def sync(self) -> None:
-        """Bring to the disk what was written so far."""
+        """Flush all writes so far to the disk."""
         os.fdatasync(self._file.fileno())
 
     def close(self) -> None:
@@ -66,14 +66,14 @@ class Column:
 
 
 class Pile:
-    """Bytes in a temporary file, taken out again in another order."""
+    """Bytes in a temporary file, read in another order than written."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("w+b")
         self.size = 0
 
     def add(self, data: bytes | memoryview) -> slice:
-        """Write bytes behind the others; returns where they are."""
+        """Append bytes and return their slice of the file."""
         self._file.write(data)
         start, self.size = self.size, self.size + len(data)
         return slice(start, self.size)
@@ -91,7 +91,7 @@ class Pile:
         os.fsync(out.fileno())
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._file.close()
 
 
@@ -112,7 +112,7 @@ class _Tables:
 
 
 class LargeWriter:
-    """Puts segments into the frame's files, each in front of those before it."""
+    """Writes segments into the frame's files, each in front of the earlier ones."""
 
     def __init__(self, folder: Path, temporary: Path, rows: int) -> None:
         """``folder`` gets the arrays, ``folder``.wire the bytes; both are complete at the end."""
@@ -160,7 +160,7 @@ class LargeWriter:
         return len(self._segments) - 1
 
     def _sync_behind(self, written: int) -> None:
-        """Let the disk write meanwhile, so that little is left to wait for at the end."""
+        """Sync in the background, so that the sync at the end is short."""
         self._dirty += written
         if self._dirty < _DIRTY or not (self._syncing is None or self._syncing.done()):
             return
@@ -174,12 +174,12 @@ class LargeWriter:
         self._syncing = self._disk.submit(sync)
 
     def _wait_for_disk(self) -> None:
-        """Raises what the last writing to the disk raised."""
+        """Wait for the last sync; raise its error."""
         if self._syncing is not None:
             self._syncing.result()
 
     def attach(self, segments: list[int], above: int) -> None:
-        """Hang the first nodes of ``segments`` under the first node of segment ``above``."""
+        """Set the first node of segment ``above`` as parent of the first nodes of ``segments``."""
         self._above |= dict.fromkeys(segments, above)
 
     def _column(self, name: str, part: NDArray[Any]) -> Column:
@@ -190,7 +190,7 @@ class LargeWriter:
         return column
 
     def finish(self, meta: Mapping[str, Any]) -> None:
-        """Write the tables and the wire file, whose order is that of the points."""
+        """Write the tables, and the wire file in the order of the points."""
         if self._free:
             raise ValueError(f"expected {self._rows} points, {self._free} are missing")
         order = list(reversed(range(len(self._segments))))

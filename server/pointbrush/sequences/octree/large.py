@@ -1,8 +1,8 @@
 """A frame larger than memory: points in any order → an octree of chunks on disk.
 
-First the points are sorted into cubes by way of temporary files.  Then each cube, in memory, hands
-an even subsample up to its ancestors and becomes a subtree of its own; cubes are worked on side by
-side.  Last the handed-up points become the levels above.  Points are stored with the upper levels
+First the points are sorted into cubes in temporary files.  Then each cube, in memory, passes an
+even subsample to its ancestors and becomes a subtree; cubes are encoded in parallel.  Last, the
+subsamples become the levels above.  Points are stored with the upper levels
 first, so the columns are written from the back: their length is known, the upper part's is not.
 """
 
@@ -64,7 +64,7 @@ class LargeFrame:
     def _partition(
         self, pool: ThreadPoolExecutor, parts: Parts, grid: Grid, total: int | None
     ) -> Partition:
-        """Sort all rows into cubes; reading goes on while other threads group."""
+        """Sort all rows into cubes; other threads group rows during the reading."""
 
         def group(part: Part) -> Groups:
             self._beside(part.frame, part.first)
@@ -92,7 +92,7 @@ class LargeFrame:
         encode_rows: Callable[..., Segment],
         writer: LargeWriter,
     ) -> dict[int, dict[Key, list[_Branch]]]:
-        """Write every cube's subtree, last cube first; what they hand up, by level and cube."""
+        """Write every cube's subtree, last cube first; return subsamples by level and cube."""
         above: dict[int, dict[Key, list[_Branch]]] = {}
 
         def encode(cell: Cell) -> tuple[Cell, Segment]:
@@ -121,7 +121,7 @@ class LargeFrame:
         encode_rows: Callable[..., Segment],
         writer: LargeWriter,
     ) -> None:
-        """Build the levels above the cubes from what these handed up, deepest first."""
+        """Build the levels above the cubes from the cubes' subsamples, deepest first."""
         for level in range(max(above), 0, -1):
             branches = sorted(above.pop(level, {}).items(), reverse=True)
             parents: dict[Key, list[_Branch]] = {}
@@ -142,7 +142,7 @@ class LargeFrame:
 
 
 class _Branch:
-    """Rows on their way up, and the segments whose parent is still to come."""
+    """Rows for the level above, and the segments that wait for their parent there."""
 
     def __init__(self, up: Rows, segments: list[int]) -> None:
         self.up = up

@@ -1,6 +1,6 @@
 """Compiled loops of octrees: sort points into cubes, pack blocks of coordinates, unpack some.
 
-They take long to load, so that modules import them where they are needed.
+They take long to load; therefore modules import them on first use.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ def sort_into_cubes(
     size: NDArray[np.int64],
     order: NDArray[np.int64],
 ) -> NDArray[np.int64]:
-    """Fill in the ``order`` (N,) of points by cube, those of one as they came.
+    """Fill in the ``order`` (N,) of points by cube; points of one cube keep their order.
 
     ``low`` is the first cube and ``size`` (3,) the cubes along each axis, fewer than 2**16 in all.
-    Returns where each one begins in ``order``, and its end.
+    Returns the start of each cube in ``order``, and the end.
     """
     cubes = np.empty(len(source), np.uint16)
     first = np.zeros(size[0] * size[1] * size[2] + 1, np.int64)
@@ -116,7 +116,7 @@ def _whole(
     values: NDArray[np.int64],
     back: NDArray[np.floating[Any]],
 ) -> bool:
-    """Fill in the whole numbers of a block; returns whether these give its floats back.
+    """Fill in the whole numbers of a block; return whether they restore its floats exactly.
 
     ``back`` (1,) has the floats' type.
     """

@@ -1,4 +1,4 @@
-"""The additive octree of a large frame: which points each node keeps.  Pure arrays, no files.
+"""The additive octree of a large frame: the points of each node, as arrays, without files.
 
 A node covers a cube and keeps an even subsample of the points that its ancestors left: one point
 for each occupied voxel of the cube, at most ``NODE_POINTS``.  The rest goes on to its children,
@@ -43,7 +43,7 @@ def sort_codes(codes: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def _middles(codes: Numbers, depth: int) -> Numbers:
-    """Of each run of sorted codes in one voxel ``depth`` levels down, the middle position."""
+    """Return the middle position of each run of sorted codes in a voxel ``depth`` levels down."""
     voxel = codes >> (3 * max(BITS - depth, 0))
     start = np.flatnonzero(voxel[1:] != voxel[:-1]) + 1
     start = np.concatenate([[0], start])
@@ -100,7 +100,7 @@ def build(codes: Numbers, positions: Numbers) -> list[Node]:
 def _split(
     codes: Numbers, depth: int, parent: int, positions: Numbers, nodes: list[Node]
 ) -> list[tuple[int, int, Numbers]]:
-    """Add the node over ``positions`` to ``nodes`` and return what is left for its children."""
+    """Add the node over ``positions`` to ``nodes``; return depth, parent and points of children."""
     if len(positions) <= NODE_POINTS:
         nodes.append(Node(depth, parent, positions))
         return []
@@ -117,7 +117,7 @@ def _split(
     children = []
     for octant in range(8):
         if counts[octant] and counts[octant] <= _FEW and kept + counts[octant] <= NODE_POINTS:
-            rest &= octants != octant  # too few for a chunk of their own
+            rest &= octants != octant  # too few for a separate chunk
             kept += int(counts[octant])
         elif counts[octant]:
             children.append(octant)
@@ -129,7 +129,7 @@ def _split(
 def _pile(
     depth: int, parent: int, positions: Numbers, nodes: list[Node]
 ) -> list[tuple[int, int, Numbers]]:
-    """More points at one place than a node holds: as many nodes as it takes."""
+    """Divide points at one place, more than a node holds, among as many nodes as needed."""
     nodes.extend(
         Node(depth, parent, positions[start : start + NODE_POINTS])
         for start in range(0, len(positions), NODE_POINTS)

@@ -1,7 +1,7 @@
-"""Progressive order: which points come first, so that every prefix is a decimated frame.
+"""Progressive order of points, in which every prefix is a decimated frame.
 
 Points are sorted along a Morton curve.  Level 0 takes every ``2**k``-th position of the curve,
-level 1 the positions half way between those, and so on: each level is an even subsample of the
+level 1 the positions half way between them, and so on: each level is an even subsample of the
 recording, doubles the density reached so far, and is itself in Morton order.
 """
 
@@ -67,7 +67,7 @@ def morton_order(xyz: NDArray[np.float32]) -> NDArray[np.int64]:
     if n == 0:
         return np.empty(0, np.int64)
     lo, hi = (bound.astype(np.float64) for bound in bounds(xyz))
-    # Cubic cells: a flat room must not be cut into slivers along its height.
+    # Cubic cells, so that a flat room is not cut into thin slices along its height.
     codes = morton_codes(xyz, lo, float((hi - lo).max()))
     # Code and number in one key: sorting keys is faster than an argsort, and stable.
     keys = (codes.view(np.uint64) << np.uint64(_INDEX_BITS)) | np.arange(n, dtype=np.uint64)

@@ -1,7 +1,7 @@
-"""Sorting a frame larger than memory into cubes that fit, by way of temporary files.
+"""Sorting a frame larger than memory into cubes that fit, in temporary files.
 
-Rows arrive in any order and are appended to the file of their cube.  Nothing needs to be known of
-the frame's bounds: when there are too many cubes, their size doubles.
+Rows arrive in any order and are appended to the file of their cube.  The frame's bounds may be
+unknown: when there are too many cubes, their size doubles.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Key = tuple[int, int, int]
 
 MAX_CELLS = 512
 CELL_ROWS = 1_200_000
-"""Most rows in a cube that is handed out, unless they are all at one place."""
+"""Most rows of a finished cube, unless all are at one place."""
 
 _FINEST = 24
 _SPREAD = 16
@@ -61,7 +61,7 @@ def group(
 
     ``number`` is that of the first point in the source.  Raises BadInputError beyond float32.
     """
-    # Compiled loops, which only an import needs.
+    # Imported on first use: loading compiled loops takes long, and only an import needs them.
     from pointbrush.sequences.octree.loops import local_bounds, sort_into_cubes
 
     ends = np.stack(local_bounds(part.xyz, shift))
@@ -84,7 +84,7 @@ def group(
 
 
 class Partition:
-    """Cubes on disk.  ``add`` groups in order; then ``finish`` hands out the cubes."""
+    """Cubes on disk.  Call ``add`` with groups in order, then ``finish`` for the cubes."""
 
     def __init__(
         self, folder: Path, dtype: np.dtype[Any], shift: NDArray[np.float64], exponent: int
@@ -157,7 +157,7 @@ class Partition:
         return sorted(cells, key=curve), root
 
     def _merge(self, cells: list[Cell], root: int) -> list[Cell]:
-        """Join cubes under the largest cube whose rows still fit."""
+        """Join cubes into the largest cubes that fit in memory."""
         totals: Counter[tuple[int, Key]] = Counter()
         for cell in cells:
             for up in range(root - cell.exponent + 1):
@@ -181,7 +181,7 @@ class Partition:
         ]
 
     def _split(self, cell: Cell) -> list[Cell]:
-        """Octants of a cube with too many rows, and theirs."""
+        """Split a cube with too many rows into octants, recursively."""
         if cell.rows <= CELL_ROWS:
             return [cell]
         if self.exponent - cell.exponent >= _FINEST:
@@ -198,7 +198,7 @@ class Partition:
         return [part for octant in octants.values() for part in self._split(octant)]
 
     def _cut(self, cell: Cell) -> list[Cell]:
-        """Parts of a cube whose rows are all at one place."""
+        """Cut a cube with all rows at one place into parts."""
         parts: list[Cell] = []
         for rows in self._pieces(cell):
             part: dict[Key, Cell] = {}
@@ -219,7 +219,7 @@ class Partition:
             path.unlink()
 
     def take(self, cell: Cell) -> NDArray[Any]:
-        """All rows of a cube, whose files are removed."""
+        """Return all rows of a cube and remove its files."""
         rows = np.empty(cell.rows, self._dtype)
         left = rows.view(np.uint8).data
         for path in cell.files:

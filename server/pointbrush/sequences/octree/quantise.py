@@ -40,7 +40,7 @@ def base_step(extent: float) -> float:
 
 
 def coarsest_step(extent: float) -> float:
-    """Coarsest grid step for a recording of this extent (metres): what saves bytes may come here.
+    """Return the coarsest grid step that saving bytes may choose for this extent (metres).
 
     It is at most 1/4096 of the extent, so that a room stays at a millimetre.
     """

@@ -1,4 +1,4 @@
-"""Points as packed rows: how a large frame travels through temporary files."""
+"""Points as packed rows, the form of a large frame in temporary files."""
 
 from __future__ import annotations
 

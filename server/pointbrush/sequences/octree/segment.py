@@ -22,7 +22,7 @@ from pointbrush.sequences.octree.rows import Rows
 class Segment:
     """Nodes of one cube.  Points, blocks, bytes and parents count from the segment's start.
 
-    ``up`` are the rows that go to the ancestors instead.
+    ``up`` are the rows that the ancestors keep instead.
     """
 
     columns: dict[str, NDArray[Any]]
