@@ -1,4 +1,4 @@
-"""Ends open sockets whose token or session lets nobody in any more."""
+"""Closing of open sockets when their token or session is no longer valid."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ Credentials = tuple[str, str]
 
 
 class Admissions:
-    """The open sockets of one server, of which those with the same credentials are checked once."""
+    """The open sockets of one server; sockets with the same credentials are checked together."""
 
     def __init__(self, check: Callable[[WebSocket], Awaitable[object]]) -> None:
-        """``check`` raises UnauthorizedError for a socket whose credentials admit nobody."""
+        """``check`` raises UnauthorizedError for a socket with invalid credentials."""
         self._check = check
         self._open: dict[Credentials, dict[ViewerSession, WebSocket]] = {}
 
     @contextlib.asynccontextmanager
     async def running(self) -> AsyncIterator[Admissions]:
-        """Check the open sockets again and again until the context ends."""
+        """Check the open sockets periodically until the context ends."""
         checking = asyncio.create_task(self._check_all())
         try:
             yield self
@@ -58,12 +58,12 @@ class Admissions:
                 for sessions in list(self._open.values()):
                     await self._check_one(sessions)
             except (PointbrushError, OSError) as error:
-                # The database is away; the tokens were good before.
+                # The database is unavailable; the tokens were valid at the last check.
                 log.info("tokens of open sockets are checked later: %s", error)
 
     async def _check_one(self, sessions: dict[ViewerSession, WebSocket]) -> None:
         socket = next(iter(sessions.values()), None)
-        if socket is None:  # closed since the round began
+        if socket is None:  # closed since this check began
             return
         try:
             await self._check(socket)

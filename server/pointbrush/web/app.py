@@ -44,7 +44,7 @@ ROUTERS = (
     *(resource.router for resource in RESOURCES), meta.sign_in_router, socket.router,
     meta.open_router, oidc.router, trust.router, page.router,
 )  # fmt: skip
-"""In the order in which a path is looked for; the page's matches any."""
+"""In the order of matching; the routes of the page match any path."""
 
 
 def create_app(workspace: Workspace, settings: Settings) -> FastAPI:
@@ -115,7 +115,7 @@ def _backups(settings: Settings, metrics: Metrics) -> BackupSchedule | None:
 
 
 def _import_ahead() -> None:
-    """Import what the first stroke needs while the page is opened."""
+    """Import the libraries of the first stroke while the page is opened."""
     try:
         for name in ("scipy.spatial", "scipy.sparse.csgraph"):
             import_module(name)
@@ -124,7 +124,7 @@ def _import_ahead() -> None:
 
 
 def describe(app: FastAPI) -> dict[str, Any]:
-    """The OpenAPI, with problem+json in place of FastAPI's own error, and how callers are known."""
+    """Return the OpenAPI with problem+json instead of FastAPI's error, and the security schemes."""
     if app.openapi_schema:
         return app.openapi_schema
     schema = get_openapi(

@@ -48,9 +48,9 @@ SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 class Principal:
     """An authenticated caller.
 
-    ``author`` is the account that edits are by, ``name`` what is shown for it; ``shared``: the
-    server's own token, which several may use and then choose a name; ``session``: by the page's
-    cookie.
+    ``author`` is the account of the caller's edits, ``name`` its displayed name; ``shared``: the
+    caller has the server's own token, which several people may use, each with a chosen name;
+    ``session``: the caller has the page's cookie.
     """
 
     author: str
@@ -75,7 +75,7 @@ class Gate:
         issuer = settings.oidc_issuer
         self.provider: Provider | None = None
         if issuer:
-            from pointbrush.web.oidc import Provider  # with it come libraries that few need
+            from pointbrush.web.oidc import Provider  # imports libraries that few servers need
 
             self.provider = Provider(settings, workspace.labels.signing_keys)
         self._right: dict[str, None] = {}
@@ -94,7 +94,7 @@ class Gate:
         return _person(token)
 
     def owner(self, connection: HTTPConnection) -> Principal | None:
-        """Whoever holds the server's own token, which no database need be asked for."""
+        """Return the caller with the server's own token, checked without the database."""
         bearer = bearer_of(connection.headers)
         if not bearer or not self._is_own(bearer):
             return None
@@ -104,7 +104,7 @@ class Gate:
     def bucket_of(self, bearer: str, connection: HTTPConnection) -> str:
         """Return the key under which a request is counted: a proven token's, or an address's.
 
-        Who tries one token after the other has no bucket for each.
+        A client that tries many tokens therefore has one bucket for all of them.
         """
         known = bearer and digest_of(bearer)
         return known if known in self._right else self.clients.address(connection)
@@ -117,7 +117,7 @@ class Gate:
             self._right.pop(next(iter(self._right)), None)
 
     def sign_in(self, secret: str, connection: HTTPConnection) -> tuple[Principal, list[Cookie]]:
-        """Begin a session for who holds ``secret``; returns the cookies to be set.
+        """Begin a session for the holder of ``secret``; return the cookies to set.
 
         Raises UnauthorizedError.
         """
@@ -132,9 +132,9 @@ class Gate:
         return principal, [_session_cookie(connection, session)]
 
     def sign_in_person(self, person: Person, role: Role, connection: HTTPConnection) -> Cookie:
-        """Begin a session for whom the provider knows; ``role``: of who has none yet.
+        """Begin a session for a person from the provider; ``role``: the role of a new account.
 
-        Raises ForbiddenError for somebody whose token was revoked; ReadOnlyError.
+        Raises ForbiddenError if the person's token was revoked; ReadOnlyError.
         """
         tokens = self._workspace.labels.tokens
         token = tokens.of_person(person.subject, person.names, person.role or role)
@@ -145,9 +145,9 @@ class Gate:
         return _session_cookie(connection, self.sessions.begin(token.account, token, ""))
 
     def _account_of_browser(self, connection: HTTPConnection) -> str:
-        """Return the account that a browser keeps, or a new one.
+        """Return the account in the browser's cookie, or a new one.
 
-        A session tells it where the browser signed in before accounts were kept.
+        For a browser that signed in before this cookie existed, the session has the account.
         """
         session = connection.cookies.get(cookie_name(connection), "")
         known = self._browsers.read(connection) or self.sessions.earlier_account(session)
@@ -175,7 +175,7 @@ class Gate:
         return Principal(account, name, "admin", shared=True, session=True)
 
     def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:
-        """Refuse a wrong token; a right one is never refused for others' wrong ones."""
+        """Return the refusal of a wrong token; wrong tokens never block a right one."""
         try:
             self._wrong.spend(self.clients.address(connection))
         except TooManyRequestsError:
@@ -185,7 +185,7 @@ class Gate:
         return UnauthorizedError("expected a valid token, got a wrong, expired or revoked one")
 
     def admit(self, connection: HTTPConnection) -> Principal:
-        """The caller of a request or socket; raises UnauthorizedError or ForbiddenError."""
+        """Return the caller of a request or socket; raise UnauthorizedError or ForbiddenError."""
         bearer = bearer_of(connection.headers)
         session = connection.cookies.get(cookie_name(connection))
         if bearer:
@@ -197,13 +197,13 @@ class Gate:
         unsafe = connection.scope.get("method", "GET") not in SAFE_METHODS
         if connection.scope["type"] == "websocket" or (unsafe and not bearer):
             require_same_origin(connection)
-        connection.state.known = True  # the log tells such callers from strangers
+        connection.state.known = True  # the log has no limit for known callers
         return principal
 
     def admit_to(self, connection: HTTPConnection) -> Principal:
-        """The caller of a request, with the role that they have in the project that it is about.
+        """Return the caller of a request with their role in the project of the request.
 
-        Raises as ``admit``, and NotFoundError for a recording or project that is not for them.
+        Raises as ``admit``, and NotFoundError for a recording or project without access.
         """
         principal = self.admit(connection)
         access, places = self._workspace.labels.team.access, connection.path_params
@@ -217,21 +217,21 @@ class Gate:
         return replace(principal, role=min(roles, key=ROLES.index))
 
     def role_in(self, principal: Principal, sequence: str) -> Role | None:
-        """Role of a caller in a recording; None: it is not for them."""
+        """Return the role of a caller in a recording, or None without access."""
         access = self._workspace.labels.team.access
         return access.to_sequence(sequence, principal.author, principal.role)
 
     def roles_in(self, principal: Principal, sequences: Iterable[str]) -> dict[str, Role]:
-        """Roles of a caller in recordings; those that are not for them are left out."""
+        """Return the roles of a caller in recordings; recordings without access are left out."""
         access = self._workspace.labels.team.access
         return access.to_sequences(sequences, principal.author, principal.role)
 
     def may_see(self, principal: Principal, sequence: str | None) -> bool:
-        """Whether a recording is for a caller; None: nothing of a recording."""
+        """Return whether a caller may see a recording; always for None, no recording."""
         return sequence is None or self.role_in(principal, sequence) is not None
 
     def may_see_job(self, principal: Principal, job: Job) -> bool:
-        """Whether a job is a caller's own, or its recording and project are for them."""
+        """Return whether a job is the caller's own, or they may see its recording and project."""
         if job.owner == principal.author:
             return True
         project = (job.request or {}).get("project")  # an import's, before the recording is there
@@ -244,18 +244,18 @@ class Gate:
         return role is not None
 
     def may_see_deleted(self, principal: Principal, known: Known) -> bool:
-        """Whether a recording is for a caller, whatever has its id now."""
+        """Return whether a caller may see a deleted recording, even if its id is in use again."""
         access = self._workspace.labels.team.access
         return access.to_number(known.number, principal.author, principal.role) is not None
 
     def require_seen(self, principal: Principal, *sequences: str) -> None:
-        """Raise NotFoundError unless all of the recordings are for a caller."""
+        """Raise NotFoundError unless a caller may see all of the recordings."""
         for sequence in sequences:
             if not self.may_see(principal, sequence):
                 raise _unknown("seq", sequence)
 
     def is_own(self, connection: HTTPConnection, principal: Principal) -> bool:
-        """Whether who started this server calls it, on this machine and through no proxy."""
+        """Return whether the caller is the server's owner on this machine, without a proxy."""
         return principal.shared and self._local and self.clients.is_direct(connection)
 
     def require_host(self, connection: HTTPConnection) -> None:
@@ -310,7 +310,7 @@ def bearer_of(headers: Mapping[str, str]) -> str:
 
 
 def cookie_name(connection: HTTPConnection) -> str:
-    """Cookies ignore ports, so that two servers on one machine need names of their own."""
+    """Return the cookie's name, which contains the port, because cookies ignore ports."""
     return f"{COOKIE}_{connection.url.port or connection.url.scheme}".replace("ws", "http")
 
 
@@ -319,9 +319,9 @@ def _session_cookie(connection: HTTPConnection, session: str) -> Cookie:
 
 
 def require_same_origin(connection: HTTPConnection) -> None:
-    """Raise ForbiddenError when a browser says that another site's page is calling.
+    """Raise ForbiddenError if a browser reports a call from another site's page.
 
-    A caller without an Origin is no browser: it cannot carry somebody else's cookie.
+    A caller without an Origin is not a browser and cannot carry another user's cookie.
     """
     origin = connection.headers.get("origin")
     if origin is None:
@@ -329,7 +329,7 @@ def require_same_origin(connection: HTTPConnection) -> None:
             return
         raise ForbiddenError("expected a call from this server's own page, got one from another")
     scheme, _, netloc = origin.lower().partition("://")
-    # Encrypted for us only: a page that came in the clear may be anybody's.
+    # A page over plain HTTP may have been modified on its way, so that it is refused under HTTPS.
     cleartext = scheme != "https" and connection.url.is_secure
     if cleartext or netloc != connection.headers.get("host", "").lower():
         raise ForbiddenError(f"expected this server's own origin, got {origin[:100]!r}")
@@ -339,11 +339,11 @@ SCHEMES: tuple[SecurityBase, ...] = (
     HTTPBearer(description="a token of `pointbrush token add`"),
     APIKeyCookie(name=COOKIE, description="set by the page's sign-in"),
 )
-"""Ways to say who calls, as the OpenAPI describes them; ``caller`` looks for both itself."""
+"""Security schemes for the OpenAPI; ``caller`` reads both kinds of credentials itself."""
 
 
 async def caller(request: Request) -> Principal:
-    """A dependency: who calls, once the table says that their role may.
+    """Return the caller if their role may use the route; a dependency of routes.
 
     Raises UnauthorizedError or ForbiddenError.
     """
@@ -359,7 +359,7 @@ Caller = Annotated[Principal, Depends(caller)]
 
 
 def asks_who(route: APIRoute) -> bool:
-    """Tell whether a route needs to know who calls."""
+    """Return whether a route needs an authenticated caller."""
     return any(part.call is caller for part in route.dependant.dependencies)
 
 
@@ -373,7 +373,7 @@ TheGate = Annotated[Gate, Depends(gate_of)]
 
 
 def resource(tag: str) -> APIRouter:
-    """Return the router of a REST resource, whose calls all need a known caller."""
+    """Return the router of a REST resource; all its calls need an authenticated caller."""
     return APIRouter(
         prefix=PREFIX, tags=[tag], dependencies=[Depends(caller), Depends(known_query)]
     )

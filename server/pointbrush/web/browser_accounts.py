@@ -1,7 +1,7 @@
 """The account of each browser that shares the server's own token, kept in a signed cookie.
 
-The cookie lets nobody in: it only tells who signs in with the server's own token, once that has
-been checked.  It outlives sessions, sign-outs and the token, so that undo still finds the edits.
+The cookie gives no access: it only identifies the browser that signs in with the server's own
+token.  It outlives sessions, sign-outs and the token, so that undo still finds the edits.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from pointbrush.web.cookies import Cookie
 
 PURPOSE = "browser account"
 DAYS = 400
-"""The longest that browsers keep a cookie; each sign-in begins them anew."""
+"""Longest time that browsers keep a cookie; each sign-in renews it."""
 MARK_BYTES = 4
 PREFIX = "pointbrush_account_"
 MOST_COOKIES = 8
-"""Accounts of a browser on one host, each of another database; a cookie has 120 bytes."""
+"""Most accounts of a browser on one host, one for each database; a cookie has 120 bytes."""
 
 
 class BrowserAccounts:
@@ -30,16 +30,16 @@ class BrowserAccounts:
         self._keys = keys
 
     def read(self, connection: HTTPConnection) -> str | None:
-        """Return the account that the browser brings, or None where it brings no valid one."""
+        """Return the account in the browser's cookie, or None without a valid cookie."""
         value = connection.cookies.get(self._name(connection), "")
         account, _, signature = value.rpartition(".")
         right = self._signature(account)
         return account if hmac.compare_digest(signature.encode(), right.encode()) else None
 
     def cookies(self, connection: HTTPConnection, account: str) -> list[Cookie]:
-        """Return the cookie by which the browser keeps ``account``, and those that it is to drop.
+        """Return the cookie that stores ``account``, and cookies that the browser must drop.
 
-        Every server of the host is sent all cookies: the oldest of other databases go.
+        Browsers send all cookies to every server of a host: the oldest of other databases go.
         """
         mine = self._name(connection)
         others = [name for name in connection.cookies if name.startswith(PREFIX) and name != mine]
@@ -47,11 +47,11 @@ class BrowserAccounts:
         return [Cookie(mine, f"{account}.{self._signature(account)}", DAYS), *dropped]
 
     def _name(self, connection: HTTPConnection) -> str:
-        """Name the cookie by the key: browsers send cookies to every port of a host.
+        """Return the cookie's name, derived from the key: browsers send cookies to every port.
 
-        Servers with databases of their own leave each other's alone, also one after the other
-        on one port; two on one database share it.  Encrypted and plain ones differ, since a
-        browser does not let a plain answer replace an encrypted one's.
+        Servers with different databases have different cookies, even one after the other on one
+        port; servers on one database share one.  HTTPS and HTTP have different names, because
+        browsers do not let an HTTP answer replace a cookie of HTTPS.
         """
         mark = hmac.digest(self._keys.get(PURPOSE), b"name", "sha256")[:MARK_BYTES].hex()
         return f"{PREFIX}{'https' if connection.url.is_secure else 'http'}_{mark}"
@@ -62,5 +62,5 @@ class BrowserAccounts:
 
 
 def new_account() -> str:
-    """Return the id of a new account, which nobody can guess."""
+    """Return the id of a new account, which cannot be guessed."""
     return f"browser:{secrets.token_hex(16)}"

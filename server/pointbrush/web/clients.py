@@ -1,4 +1,4 @@
-"""Callers by address and scheme, through trusted proxies or not, and how often each may ask."""
+"""Addresses and schemes of callers, also behind trusted proxies, and their rate limits."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ FORWARDING = (
     "forwarded", "via", "x-real-ip", "x-forwarded-for", "x-forwarded-host", "x-forwarded-proto",
     "x-forwarded-port", "x-forwarded-server", "x-client-ip", "true-client-ip", "cf-connecting-ip",
 )  # fmt: skip
-"""Headers by which a proxy shows itself."""
+"""Headers that a proxy adds."""
 SECURE = {"http": False, "https": True, "ws": False, "wss": True}
-"""Whether what a scheme carries is encrypted."""
+"""Whether a scheme is encrypted."""
 UNKNOWN = "unknown"
 BURST_SECONDS = 10
-"""A client may spend this many seconds' worth of requests at once, unless told otherwise."""
+"""Default burst: a client may send the requests of this many seconds at once."""
 KNOWN_CLIENTS = 10_000
 
 
@@ -26,7 +26,7 @@ class Clients:
     """Reads the addresses of callers; ``trusted`` names proxies (addresses or networks, commas)."""
 
     def __init__(self, trusted: str) -> None:
-        """Raises BadInputError for what is no address or network."""
+        """Raises BadInputError for text that is not an address or network."""
         self._trusted = []
         for text in filter(None, map(str.strip, trusted.split(","))):
             try:
@@ -39,7 +39,7 @@ class Clients:
     def address(self, connection: HTTPConnection) -> str:
         """The client's address: the peer's, or the last one that a trusted proxy names.
 
-        Whoever is no trusted proxy can write what it likes into the header; it is not read then.
+        Other peers can write anything into the header; it is ignored for them.
         """
         found = connection.client.host if connection.client else UNKNOWN
         hops = ",".join(connection.headers.getlist("x-forwarded-for")).split(",")
@@ -48,7 +48,7 @@ class Clients:
         return found
 
     def scheme(self, connection: HTTPConnection) -> str:
-        """The scheme that the client used: the connection's, or what a trusted proxy says of it."""
+        """Return the client's scheme: the connection's, or the one that a trusted proxy states."""
         stated = connection.headers.get("x-forwarded-proto", "").rpartition(",")[2].strip().lower()
         peer = connection.client.host if connection.client else UNKNOWN
         own: str = connection.scope["scheme"]
@@ -58,12 +58,12 @@ class Clients:
         return f"{base}s" if SECURE[stated] else base
 
     def trusts(self, address: str) -> bool:
-        """Whether an address is a trusted proxy's."""
+        """Return whether an address is a trusted proxy's."""
         known = _address(address)
         return known is not None and any(known in network for network in self._trusted)
 
     def is_direct(self, connection: HTTPConnection) -> bool:
-        """Whether no proxy stands between: none shows itself, and the peer is not known as one."""
+        """Return whether there is no proxy: no header of one, and an untrusted peer."""
         shown = any(name in connection.headers for name in FORWARDING)
         return not shown and not (connection.client and self.trusts(connection.client.host))
 
@@ -88,7 +88,7 @@ class RateLimit:
     """Token buckets by client; raises TooManyRequestsError when one is empty."""
 
     def __init__(self, per_second: float, burst: float | None = None) -> None:
-        """``burst``: what a client may spend at once."""
+        """``burst``: number of requests that a client may send at once."""
         self._rate = per_second
         self._burst = per_second * BURST_SECONDS if burst is None else burst
         self._buckets: dict[str, tuple[float, float]] = {}

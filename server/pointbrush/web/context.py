@@ -41,11 +41,11 @@ def whole_sequence(seq: SequenceId, workspace: Ws) -> str:
 
 
 WholeSequence = Annotated[str, Depends(whole_sequence)]
-"""Of calls that work on labels alone: also they do not answer for a damaged recording."""
+"""Parameter of calls that only need labels; they also fail for a damaged recording."""
 
 
 async def known_query(request: Request) -> None:
-    """Refuse query parameters that the call has not: a misspelt one would change nothing.
+    """Refuse unknown query parameters, because a misspelt one would have no effect.
 
     Raises BadInputError.
     """
@@ -75,7 +75,7 @@ async def body_within(request: Request, limit: int, what: str) -> bytearray:
 
 
 def one_of(names: Iterable[str]) -> str:
-    """A pattern that only these names match; plug-ins add names, so that no Literal would do."""
+    """Return a pattern that matches only these names; plug-ins add names, which no Literal can."""
     return f"^({'|'.join(sorted(map(re.escape, names)))})$"
 
 

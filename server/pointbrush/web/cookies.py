@@ -1,4 +1,4 @@
-"""The page's two cookies: one lets in, the other keeps a browser's account."""
+"""The page's two cookies: one for the session, one for a browser's account."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Cookie:
     name: str
     value: str
     days: int
-    """For which the browser keeps it; 0: it is dropped."""
+    """Days for which the browser keeps the cookie; 0: it is dropped."""
 
 
 def set_cookie(connection: HTTPConnection, response: Response, cookie: Cookie) -> None:

@@ -13,12 +13,12 @@ SECONDS = 2.0
 
 def answers(settings: Settings) -> bool:
     """Return whether ``/healthz`` answers on loopback."""
-    # Both are tried: it may have been told of TLS by a flag that is not in the environment.
+    # Both are tried: TLS may be set by a flag, which is not in the environment.
     return any(_answers(scheme, settings.port) for scheme in ("http", "https"))
 
 
 def _answers(scheme: str, port: int) -> bool:
-    # The certificate is for the names that people use; this never leaves the machine.
+    # The certificate is for the server's public names; this call stays on the machine.
     context = ssl._create_unverified_context() if scheme == "https" else None  # noqa: S323
     try:
         url = f"{scheme}://127.0.0.1:{port}/healthz"

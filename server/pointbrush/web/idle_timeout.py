@@ -1,7 +1,7 @@
-"""HTTP connections that wait for nothing are closed: uvicorn itself would keep them.
+"""Closing of stalled HTTP connections, which uvicorn itself would keep.
 
-Some never finish a request's headers, some never read their answer.  And those that are more than
-this process has files for are told so, so that the work of the others finds some left.
+Some clients never finish a request's headers, some never read their answer.  Connections above the
+limit of open files are refused with an answer, so that the other connections keep working.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from pointbrush.system import most_connections
 from pointbrush.web.problems import problem
 
 HEARD_OUT = 32
-"""Connections too many that are answered in words; any more are closed at once."""
+"""Connections above the limit that get an answer; further ones are closed at once."""
 REFUSED_SECONDS = 2.0
-"""Time in which a connection too many must ask something to be answered."""
+"""Time in which a connection above the limit must send a request to get an answer."""
 
 
 async def too_many_connections(scope: Scope, receive: Receive, send: Send) -> None:
-    """Answer any request; an ASGI application."""
+    """Answer any request with a refusal; an ASGI application."""
     detail = "the server has reached its limit of connections; try again later"
     headers = {"Connection": "close"}
     await problem(503, detail, "Temporarily unavailable", headers)(scope, receive, send)
@@ -33,7 +33,7 @@ class IdleTimeoutProtocol(H11Protocol):
 
     seconds = 20.0
     stall_seconds = 60.0
-    """Longest time that a client may read nothing of an answer that waits for it."""
+    """Longest time that a client may leave an answer unread."""
     _stall: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -65,17 +65,17 @@ class IdleTimeoutProtocol(H11Protocol):
             self._wait()
 
     def pause_writing(self) -> None:
-        """Give the client up when it does not read on."""
+        """Abort the connection unless the client reads on in time."""
         super().pause_writing()
         self._stall = self.loop.call_later(self.stall_seconds, self.transport.abort)
 
     def resume_writing(self) -> None:
-        """The client reads."""
+        """End the timeout when the client reads again."""
         self._end_stall()
         super().resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The connection is closed."""
+        """End the timeouts of a closed connection."""
         self._end_stall()
         super().connection_lost(exc)
 

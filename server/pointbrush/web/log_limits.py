@@ -1,4 +1,4 @@
-"""A bound on what callers without a token can make the log grow by."""
+"""A limit on the lines of the log that callers without a token can cause."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 LINES_A_MINUTE = 60
-"""Lines of each kind; one kind is what one place in the code logs."""
+"""Most lines a minute of each kind; a kind is one logging call in the code."""
 MOST_KINDS = 500
 LOGGERS = ("uvicorn.error", "asyncio", "pointbrush.web.logs", "pointbrush.web.problems")
-"""Loggers whose lines a caller can cause without a token."""
+"""Loggers with lines that a caller without a token can cause."""
 
 
 @dataclass(slots=True)
@@ -25,9 +25,9 @@ class _Kind:
 
 
 class LineLimit(logging.Filter):
-    """Lets through at most ``lines`` of each kind a minute, and then tells how many it left out.
+    """Passes at most ``lines`` of each kind a minute; the next line reports the number left out.
 
-    Records with a true attribute ``known``, of callers who have shown a token, all pass.
+    All records with a true attribute ``known``, of authenticated callers, pass.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class LineLimit(logging.Filter):
         self._lock = threading.Lock()
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Tell whether a record is to be written."""
+        """Return whether to write a record."""
         if getattr(record, "known", False):
             return True
         with self._lock:

@@ -34,10 +34,10 @@ request_id: ContextVar[str] = ContextVar("request_id", default="")
 
 
 class JsonFormatter(logging.Formatter):
-    """Writes a record as one line of JSON, in which no token is left."""
+    """Formats a record as one line of JSON without tokens."""
 
     def __init__(self, *hidden: str) -> None:
-        """``hidden`` are secrets that no line may hold, whatever put them there."""
+        """``hidden``: secrets that are removed from every line."""
         super().__init__()
         self._hidden = [secret for secret in hidden if secret]
 
@@ -65,13 +65,13 @@ class JsonFormatter(logging.Formatter):
 
 
 class RequestLog:
-    """ASGI layer that gives each request an id and logs how it was answered."""
+    """ASGI layer that gives each request an id and logs its answer."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Hand on, then log; the id that a proxy gave is kept."""
+        """Call the app, then log; keep the request id of a proxy."""
         if scope["type"] not in ("http", "websocket"):
             await self.app(scope, receive, send)
             return
@@ -111,7 +111,7 @@ def write_json(*hidden: str) -> None:
 
 
 def log_events(workspace: Workspace) -> Callable[[], None]:
-    """Log edits and the states of jobs as they come; returns what undoes it."""
+    """Log edits and new states of jobs from now on; return a function that ends it."""
     states: dict[str, str] = {}
 
     def tell(event: Event) -> None:

@@ -54,9 +54,9 @@ class Guard:
         self.rate = RateLimit(settings.requests_per_second)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Check, then hand on; sockets check themselves after their handshake's headers."""
+        """Check a request, then call the app; sockets are checked after their handshake."""
         if "scheme" in scope:
-            # Here, once: cookies, Origin and links are then right behind a proxy too.
+            # Set once here, so that cookies, Origin and links are correct behind a proxy.
             scope["scheme"] = self.gate.clients.scheme(HTTPConnection(scope))
         if scope["type"] != "http":
             await self.app(scope, receive, send)
@@ -73,7 +73,7 @@ class Guard:
         seconds = self.settings.upload_seconds if multipart else self.settings.body_seconds
         try:
             await self.app(scope, _Limited(receive, limit, seconds), secured)
-        except Exception as error:  # in the middle of an answer: before it, it would be one
+        except Exception as error:  # during an answer; an earlier error is answered as a problem
             if (short := shortage(_first(error))) is None:
                 raise
             path = scope["path"][:LONGEST_PATH]
@@ -143,6 +143,6 @@ class _Limited:
         self._seen += len(message.get("body", b""))
         self._complete = not message.get("more_body", False)
         if self._seen > self._limit:
-            # Of FastAPI's own kind: it hides any other error while it reads a body.
+            # An HTTPException, because FastAPI hides any other error while it reads a body.
             raise HTTPException(413, f"body: expected at most {self._limit} bytes, got more")
         return message

@@ -21,7 +21,7 @@ MEDIA_TYPE = "application/x-npy"
 HEADER_ROOM = 4096
 """Bytes of a header, at most."""
 MOST_BYTES = 256 << 20
-"""Of the arrays of several frames that come in one call."""
+"""Most bytes of the arrays of several frames in one call."""
 BLOCK = 1 << 18
 """Points formatted at once while an array is streamed."""
 
@@ -71,9 +71,9 @@ def parse_by_frame(
                 if room < 0:
                     raise TooLargeError(f"body: expected at most {MOST_BYTES} bytes of arrays")
                 with archive.open(member) as file:
-                    content = file.read(limit + 1)  # the size that a member states may be untrue
+                    content = file.read(limit + 1)  # the stated size of a member may be wrong
                 found[frame] = parse(content, dtype, counts[frame])
-    # RuntimeError: encrypted; NotImplementedError: a compression that Python has not.
+    # RuntimeError: encrypted; NotImplementedError: an unsupported compression.
     except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError) as error:
         raise MalformedError(f"body: expected an .npz archive: {error}") from None
     if not found:
@@ -128,7 +128,7 @@ def stream_points(blocks: Iterator[Columns], count: int) -> tuple[int, Iterator[
     dtype = np.dtype([(name, array.dtype, array.shape[1:]) for name, array in first.items()])
     header = _described(dtype, (count,))
     blocks = chain([first], blocks)
-    del first  # a block is large: it is not to stay until the end
+    del first  # a block is large: free it before the end
 
     def pieces() -> Iterator[bytes]:
         yield header
@@ -173,10 +173,10 @@ class _Sink:
         return len(data)
 
     def flush(self) -> None:
-        """Nothing: pieces leave when they are taken."""
+        """Do nothing: ``taken`` returns the bytes."""
 
     def taken(self) -> bytes:
-        """Take the bytes written since the last time."""
+        """Remove and return the bytes written since the last call."""
         data = b"".join(self._gathered)
         self._gathered.clear()
         return data

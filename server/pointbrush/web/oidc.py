@@ -1,8 +1,8 @@
 """Sign-in by OpenID Connect: the authorization code flow with PKCE, state and nonce.
 
 OpenID Connect Core 1.0, section 3.1; RFC 7636 (PKCE); RFC 9207 (issuer of an answer).  An ID token
-counts when a key of the provider has signed it by one of ``ALGORITHMS``, and issuer, audience,
-times and nonce are right.
+is valid if a key of the provider has signed it by one of ``ALGORITHMS``, and issuer, audience,
+times and nonce are correct.
 """
 
 from __future__ import annotations
@@ -43,17 +43,17 @@ from pointbrush.settings import Settings
 from pointbrush.web.clients import is_loopback
 
 ALGORITHMS = ("RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512")
-"""Of signatures that count: none without a key, and none by a key that the client has too."""
+"""Accepted signatures: not ``none``, and no symmetric ones, because the client has their key."""
 PURPOSE = "oidc"
 SCOPE = "openid profile email"
 FLOW_SECONDS = 600
-"""For which a sign-in that was begun can be ended."""
+"""Time in which a sign-in must be completed."""
 BOUNDS = Bounds(seconds=10.0, answer_bytes=1 << 20)
-"""Of one call of the provider."""
+"""Bounds of one call of the provider."""
 LEEWAY_SECONDS = 60
-"""By which the provider's clock may be off."""
+"""Accepted error of the provider's clock."""
 KNOWN_SECONDS = 3600.0
-"""Age from which the provider's description and keys are read anew."""
+"""Age from which the provider's description and keys are read again."""
 AGAIN_SECONDS = 30.0
 """Shortest time between two tries to read them."""
 log = logging.getLogger(__name__)
@@ -63,10 +63,10 @@ ENDPOINTS = ("authorization_endpoint", "token_endpoint", "jwks_uri")
 
 @dataclass(frozen=True, slots=True)
 class Person:
-    """A person whom the provider knows; ``role`` is None where no claim tells it.
+    """A person from the provider; ``role`` is None if no claim contains it.
 
-    ``subject`` tells them from all others, for good; ``names`` is how they may be called, the
-    best first.
+    ``subject`` identifies the person permanently; ``names`` are their possible names, the best
+    first.
     """
 
     subject: str
@@ -84,7 +84,7 @@ class _Known:
 
 
 class _Flow:
-    """Values of one sign-in, which follow from what its browser keeps and a secret key."""
+    """Values of one sign-in, derived from its browser's cookie and a secret key."""
 
     def __init__(self, key: bytes, kept: str) -> None:
         self._key, self.kept = key, kept
@@ -97,7 +97,7 @@ class _Flow:
         return hmac.digest(self._key, message, "sha256").hex()
 
     def answers(self, state: str) -> bool:
-        """Whether an answer with ``state`` is to this sign-in, and in time."""
+        """Return whether an answer with ``state`` belongs to this sign-in and is in time."""
         right = hmac.compare_digest(state.encode("utf-8", "surrogateescape"), self.state.encode())
         return right and time.time() < float(self.kept.rpartition(".")[2])
 
@@ -108,7 +108,7 @@ class Provider:
     flow_seconds = FLOW_SECONDS
 
     def __init__(self, settings: Settings, keys: SigningKeys) -> None:
-        """Raises BadInputError for settings that cannot be right; the provider is not asked yet."""
+        """Raises BadInputError for invalid settings; does not call the provider yet."""
         self._issuer, self._client = settings.oidc_issuer, settings.oidc_client_id
         self._secret, self._claim = settings.oidc_client_secret, settings.oidc_roles_claim
         if not self._client:
@@ -127,9 +127,9 @@ class Provider:
         self._lock = threading.Lock()
 
     def begin(self, redirect: str) -> tuple[str, str]:
-        """Begin a sign-in that comes back to ``redirect``.
+        """Begin a sign-in that returns to ``redirect``.
 
-        Returns the address to send the browser to, and what it keeps meanwhile.  Raises
+        Returns the address for the browser, and the value of its cookie until then.  Raises
         UnavailableError.
         """
         kept = f"{secrets.token_urlsafe(32)}.{int(time.time()) + FLOW_SECONDS}"
@@ -148,9 +148,9 @@ class Provider:
         return str(address), kept
 
     def finish(self, kept: str, answer: Mapping[str, str], redirect: str) -> Person:
-        """Return the person of the provider's ``answer``, a query, to the sign-in that was kept.
+        """Return the person of the provider's ``answer``, a query, to the sign-in ``kept``.
 
-        Raises UnauthorizedError for an answer that is not to it, was refused or does not hold,
+        Raises UnauthorizedError for an answer to another sign-in, a refusal or an invalid answer,
         ForbiddenError for a person without a role, and UnavailableError.
         """
         flow = _Flow(self._keys.get(PURPOSE), kept)
@@ -195,7 +195,7 @@ class Provider:
             return _object(answer)
 
     def _claims(self, given: Mapping[str, Any], nonce: str) -> Mapping[str, Any]:
-        """Return the claims of the ID token among what was given for a code, once it holds."""
+        """Return the claims of the ID token in the provider's answer, after checking it."""
         token = given.get("id_token")
         try:
             if not isinstance(token, str):
@@ -219,7 +219,7 @@ class Provider:
         return dict(claims)
 
     def _decoded(self, token: str) -> jwt.Token:
-        """Check the signature; a key that is not known may have come since they were read."""
+        """Check the signature; an unknown key may be newer than the keys read before."""
         try:
             return jwt.decode(token, self._look().keys, algorithms=ALGORITHMS)
         except InvalidKeyIdError:
@@ -247,8 +247,8 @@ class Provider:
     def _look(self, oldest: float = KNOWN_SECONDS) -> _Known:
         """Return the provider's description and keys, read again once older than ``oldest`` s.
 
-        One caller reads them.  Others get the known ones at once, or wait for it where none are
-        known.  Known ones are kept where the provider is away.  Raises UnavailableError.
+        One caller reads them.  Other callers get the known ones at once, or wait if none are known.
+        Known ones stay in use while the provider is unavailable.  Raises UnavailableError.
         """
         with self._lock:
             now, known, reading = time.monotonic(), self._known, self._reading
@@ -289,7 +289,7 @@ class Provider:
             for name in ENDPOINTS:
                 _require_private(name, described[name])
             found = _fetch(described["jwks_uri"])
-            # Keys to encrypt with, or of kinds that do not count, are none to sign with.
+            # Ignore keys for encryption and keys of other kinds.
             usable = [key for key in found["keys"] if key.get("use", "sig") == "sig"]
             kinds = [key for key in usable if key.get("kty") in ("RSA", "EC")]
             return _Known(described, KeySet.import_key_set({"keys": kinds}), now)
@@ -305,7 +305,7 @@ def _fetch(address: str) -> dict[str, Any]:
 
 @contextmanager
 def _asked() -> Iterator[None]:
-    """Say of a provider that is away, or answers what it should not, that it is unavailable."""
+    """Raise UnavailableError if the provider does not answer or answers invalid data."""
     try:
         yield
     except UnauthorizedError:
@@ -336,7 +336,7 @@ def _within(claims: Mapping[str, Any], path: str) -> Any:
 
 
 def _require_private(what: str, address: str) -> None:
-    """Raise BadInputError for an address on whose way others could read and change."""
+    """Raise BadInputError for an address without encryption, except on this machine."""
     parts = urlsplit(address)
     local = parts.scheme == "http" and is_loopback(parts.hostname or "")
     if not (parts.hostname and (parts.scheme == "https" or local)):

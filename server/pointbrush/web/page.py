@@ -23,9 +23,9 @@ PAGE = Path(__file__).parent / "page"
 HASHED = "assets"
 """Vite puts a hash of the content into these files' names."""
 LONGEST_NAME = 200
-"""Characters of a file's path: of more than 255 a system may not even look."""
+"""Most characters of a file's path; some systems raise an error for more than 255."""
 ENCODINGS = {"br": ".br", "gzip": ".gz"}
-"""Forms of a text file that the build lays beside it, best first."""
+"""Compressed forms of a text file that the build writes, best first."""
 mimetypes.add_type("text/javascript", ".js")
 mimetypes.add_type("application/wasm", ".wasm")
 mimetypes.add_type("model/gltf-binary", ".glb")
@@ -36,10 +36,10 @@ mimetypes.add_type("model/gltf-binary", ".glb")
 def index(request: Request, token: str | None = None) -> Response:
     """The page; a ``token`` in the URL becomes a cookie and leaves the address bar.
 
-    Its script knows by the address whether a headset is to be checked.
+    The page's script reads from the address whether to check a headset.
 
-    A browser that brings a wrong token gets the page all the same, with the refusal's status: the
-    token is left in its address, by which the page knows and says so.
+    A browser with a wrong token also gets the page, with the status of the refusal: the token stays
+    in the address, by which the page reports the error.
     """
     if token is None:
         return document(request)
@@ -53,7 +53,7 @@ def index(request: Request, token: str | None = None) -> Response:
 
 
 def built() -> bool:
-    """Whether there is a page to send."""
+    """Return whether the page was built."""
     return (PAGE / "index.html").is_file()
 
 
@@ -70,7 +70,7 @@ def document(
 
 
 def wants_html(request: Request) -> bool:
-    """Whether an answer is for a person's eyes: browsers name HTML, programs take anything."""
+    """Return whether a browser asks: browsers accept HTML by name, programs accept anything."""
     accepted = request.headers.get("accept", "").split(",")
     return any(item.partition(";")[0].strip() == "text/html" for item in accepted)
 
@@ -88,7 +88,7 @@ def exchange(request: Request, token: str) -> Response:
 
 
 class Asset(PathConvertor):
-    """Any path but the API's: there, an unknown path or method has an answer of its own."""
+    """Any path outside the API, which answers an unknown path or method itself."""
 
     regex = r"(?!api/).*"
 
@@ -111,7 +111,7 @@ def static(request: Request, path: str) -> Response:
 def _file(request: Request, file: Path, cache: str) -> Response:
     """A file in the shortest form that the browser reads.
 
-    It is read at once: in pieces, each would wait for a thread of its own.
+    It is read at once: each of several pieces would wait for a thread.
     """
     headers = {"Cache-Control": cache, "Vary": "Accept-Encoding"}
     accepted = _accepted(request.headers.get("accept-encoding", ""))

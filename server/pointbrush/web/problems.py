@@ -1,4 +1,4 @@
-"""Errors as RFC 9457 ``application/problem+json``: one place that knows class → status."""
+"""Errors as RFC 9457 ``application/problem+json``, with the status of each class of errors."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def problem(
     headers: Mapping[str, str] | None = None,
     more: Mapping[str, Any] | None = None,
 ) -> JSONResponse:
-    """A problem+json response; ``more`` are members of its own."""
+    """Return a problem+json response; ``more`` are further members."""
     body = Problem(title=title or HTTPStatus(status).phrase, status=status, detail=detail)
     return JSONResponse(
         {**body.model_dump(), **(more or {})},
@@ -63,7 +63,7 @@ def problem(
 def problem_of(
     error: errors.PointbrushError, more: Mapping[str, Any] | None = None
 ) -> JSONResponse:
-    """The response for one of our own errors; ``more`` are members of its own."""
+    """Return the response for one of our own errors; ``more`` are further members."""
     return problem(status_of(error), str(error), error.title, more=more)
 
 
@@ -82,7 +82,7 @@ def install(app: FastAPI) -> None:
 
 
 def _for_requests(handler: Handler) -> Handler:
-    """Answer requests only: a socket answers by messages of its own, and its errors go on."""
+    """Handle errors of requests only; a socket sends its own messages, and its errors propagate."""
 
     async def handle(connection: Request, error: Exception) -> JSONResponse:
         if connection.scope["type"] != "http":
@@ -93,7 +93,7 @@ def _for_requests(handler: Handler) -> Handler:
 
 
 def _shown(request: Request) -> str:
-    """Return a request's path for the log, whose lines it must not fill."""
+    """Return a request's path, shortened for the log."""
     return request.url.path[:LONGEST_PATH]
 
 
@@ -108,7 +108,7 @@ async def _ours(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _broken_form(_request: Request, error: Exception) -> JSONResponse:
-    """Older versions of Starlette leave it to us to refuse a form that cannot be read."""
+    """Refuse an unreadable form, which older versions of Starlette do not."""
     return problem(400, f"form: {error}")
 
 
@@ -128,7 +128,7 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 
 
 def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
-    """Words for what the router itself says in a phrase only."""
+    """Return a full sentence for errors that the router describes by a phrase."""
     path = _shown(request)
     if error.status_code == 405:
         return f"method: expected {headers['Allow']} for {path}, got {request.method}"
@@ -138,7 +138,7 @@ def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) ->
 
 
 def methods_of(app: FastAPI, path: str) -> list[str]:
-    """All methods of a path: the router itself names only those of the first route it tries."""
+    """Return all methods of a path; the router lists only the methods of its first route."""
     found: set[str] = set()
     for template, item in app.openapi()["paths"].items():
         if compile_path(template)[0].fullmatch(path):

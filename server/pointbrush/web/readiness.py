@@ -1,4 +1,4 @@
-"""Whether work can be done now, asked for in threads of its own: it answers when all else waits."""
+"""Readiness of the server, checked in separate threads so that it answers under any load."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from pointbrush.errors import PointbrushError
 ANSWER_SECONDS = 5.0
 """A part that takes longer to answer is not ready."""
 FRESH_SECONDS = 1.0
-"""An answer is given again for so long: anybody may ask."""
+"""Time for which an answer is reused, because calls need no token."""
 
 Check = Callable[[], None]
 """Raises PointbrushError when its part cannot be used."""
 
 
 class ReadyProbe:
-    """Asks the parts that a workspace stands on."""
+    """Checks the parts that a workspace depends on."""
 
     def __init__(self, checks: Mapping[str, Check]) -> None:
         self._parts = {name: _Part(check) for name, check in checks.items()}
         self.stopping = False
-        """Whether the server takes no new work, as it is about to end."""
+        """The server takes no new work because it is about to end."""
         self._known: dict[str, str | None] = {}
         self._asked = float("-inf")
         self._asking = asyncio.Lock()
@@ -42,7 +42,7 @@ class ReadyProbe:
 
 
 class _Part:
-    """One check; a second one is not begun while the first hangs."""
+    """One check; a second call waits for a running one."""
 
     def __init__(self, check: Check) -> None:
         self._check = check
@@ -52,7 +52,7 @@ class _Part:
         if self._running is None or self._running.done():
             loop = asyncio.get_running_loop()
             self._running = loop.create_future()
-            # Not a pool's thread: one that hangs would keep the server from ending.
+            # Not a pool's thread: a hanging one would keep the server from ending.
             arguments = (loop, self._running)
             threading.Thread(target=self._run, args=arguments, daemon=True).start()
         try:

@@ -1,6 +1,6 @@
-"""The role that each call needs: a route that is not in this table is nobody's.
+"""The role that each call needs; a route outside this table is refused.
 
-``docs/roles.md`` shows it; tests compare the two, and the table with the app's routes.
+``docs/roles.md`` shows the table; tests compare both, and the table with the app's routes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ OPEN = frozenset({
     ("GET", "/check-headset"),
     ("GET", "/{path:asset}"),
 })  # fmt: skip
-"""Calls that need no token: signing in, and what is no secret."""
+"""Calls that need no token: signing in, and public data."""
 
 ROUTES: Mapping[tuple[str, str], Role] = {
     ("GET", "/session"): "viewer",
@@ -161,11 +161,11 @@ ROUTES: Mapping[tuple[str, str], Role] = {
 }
 
 DECIDE: Role = "reviewer"
-"""Role that may accept and reject frames, and take back that they were accepted."""
+"""Role that may accept and reject frames, and revert an acceptance."""
 ASSIGN: Role = "manager"
 """Role that may give frames to people."""
 CANCEL_ANY: Role = "manager"
-"""Role that may cancel jobs that somebody else has started."""
+"""Role that may cancel jobs of other people."""
 
 
 def call_of(method: str, path: str) -> tuple[str, str]:

@@ -1,4 +1,4 @@
-"""The JSON shapes of REST; their names stay as they are."""
+"""The JSON schemas of REST; clients rely on their names."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Sides = Annotated[list[Side], Field(min_length=3, max_length=3)]
 
 
 def integral(body: Any) -> Any:
-    """JSON does not tell 3.0 from 3, so that both are integers in its schema."""
+    """Return a body with 3.0 as 3: both are the same integer in JSON."""
     if isinstance(body, dict):
         return {name: integral(value) for name, value in body.items()}
     if isinstance(body, list):
@@ -51,13 +51,13 @@ class Body(BaseModel):
 
 
 class Out(BaseModel):
-    """Base of answers that say what something of the workspace is, under the names it has there."""
+    """Base of answers that are made from a workspace's objects with equal field names."""
 
     model_config = ConfigDict(from_attributes=True)
 
     @classmethod
     def of(cls, found: object) -> Self:
-        """Make the answer of something with attributes of these names."""
+        """Return the answer for an object with attributes of these names."""
         return cls.model_validate(found)
 
 
@@ -108,7 +108,7 @@ class SequenceOut(BaseModel):
 
     @classmethod
     def listed(cls, entry: Listed) -> SequenceOut:
-        """From the list of recordings; of a damaged one perhaps only the id is known."""
+        """Return the answer for a listed recording; a damaged one may have only its id."""
         if entry.manifest is None:
             return cls.unreadable(entry.id, entry.revision, entry.damaged)
         changed = entry.progress.changed
@@ -126,7 +126,7 @@ class SequenceOut(BaseModel):
 
     @classmethod
     def removed(cls, entry: Deleted) -> SequenceOut:
-        """From the list of deleted recordings."""
+        """Return the answer for a deleted recording."""
         known, manifest = entry.known, entry.manifest
         if manifest is None:
             out = cls.unreadable(known.id, known.revision, "its files are damaged or missing")
@@ -140,7 +140,7 @@ class SequenceOut(BaseModel):
 
     @classmethod
     def unreadable(cls, sequence: str, revision: int, damaged: str | None) -> SequenceOut:
-        """A recording whose manifest cannot be read: no frames, as far as anybody knows."""
+        """Return the answer for a recording with an unreadable manifest, without frames."""
         nowhere = [0.0, 0.0, 0.0]
         return cls(
             id=sequence, name=sequence, frames=0, fps=1.0, points=[], fields=[],
@@ -151,7 +151,7 @@ class SequenceOut(BaseModel):
 
     @classmethod
     def of(cls, manifest: Manifest, revision: int, **more: Any) -> SequenceOut:
-        """From the stored manifest, whose bounds are local, and ``more`` fields."""
+        """Return the answer for a stored manifest, which has local bounds, and ``more`` fields."""
         shift = [float(x) for x in manifest.shift]
         lo, hi = (
             [float(x) + s for x, s in zip(corner, shift, strict=True)]
@@ -243,12 +243,12 @@ class EditOut(BaseModel):
 
     @classmethod
     def of(cls, commit: Commit) -> EditOut:
-        """From the store's commit."""
+        """Return the answer for a commit of the store."""
         return cls(edit=commit.edit_id, changed=commit.changed, revision=commit.revision)
 
 
 class MergeBody(Body):
-    """Labels whose points another label takes."""
+    """Labels to merge into another label."""
 
     labels: Annotated[list[PaintId], Field(min_length=1, max_length=1000)]
 
@@ -273,7 +273,7 @@ class SplitOut(EditOut):
 
     @classmethod
     def done(cls, split: Split) -> SplitOut:
-        """From what the workspace did."""
+        """Return the answer for the workspace's result."""
         edit = EditOut.of(split.commit).model_dump()
         return cls(**edit, labels=[label.id for label in split.labels], gap=split.gap)
 
@@ -375,7 +375,7 @@ class Health(BaseModel):
 
 
 class Ready(BaseModel):
-    """Whether work can be done, and what is wrong with each part; "ok": nothing."""
+    """Whether the server can work, and the fault of each part, or "ok"."""
 
     status: Literal["ready", "not ready"]
     parts: dict[str, str]

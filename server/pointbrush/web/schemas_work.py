@@ -1,4 +1,4 @@
-"""The JSON shapes of long work: imports, tracking runs and what they find, jobs."""
+"""The JSON schemas of imports, tracking runs and their results, and jobs."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class ImportOptions(Body):
     @model_validator(mode="before")
     @classmethod
     def _listed(cls, value: Any) -> Any:
-        """Take ``columns`` as one text with commas too."""
+        """Also accept ``columns`` as one text with commas."""
         if isinstance(value, dict) and isinstance(value.get("columns"), str):
             return {**value, "columns": [part.strip() for part in value["columns"].split(",")]}
         return value
@@ -78,7 +78,7 @@ class PreviewOut(Preview):
 
     @classmethod
     def of(cls, preview: Preview, upload: str | None) -> PreviewOut:
-        """From the workspace's answer."""
+        """Return the answer for the workspace's preview."""
         return cls(**asdict(preview), upload=upload)
 
 

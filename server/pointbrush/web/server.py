@@ -29,16 +29,16 @@ from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace
 
 DRAIN_SECONDS = 3
-"""For what viewers have sent, and then for requests: with the jobs' end it is less than 10 s."""
+"""Time for received edits, and again for requests; with the end of jobs, less than 10 s."""
 BACKLOG = 512
 MOST_FILES = 65_536
 SWITCH_SECONDS = 0.0005
 READY_AFTER = 1.5
-"""Seconds from the first label until a worker begins: not beside somebody's first strokes."""
+"""Seconds from the first edit to the start of a worker, so that first strokes are not slowed."""
 M_MMAP_THRESHOLD, M_ARENA_MAX = -3, -8
 """glibc's numbers of these options (malloc.h)."""
 MAPPED_BYTES = 4 << 20
-"""Blocks from this size on are mapped by themselves: copies of frames, not passing arrays."""
+"""Blocks from this size on are mapped separately: copies of frames, not temporary arrays."""
 ARENAS = 4
 """Heaps that threads share."""
 
@@ -46,11 +46,11 @@ ARENAS = 4
 def run(workspace: Workspace, settings: Settings) -> None:
     """Serve until interrupted.
 
-    Prints ``pointbrush ready at URL`` once it listens, and off this machine also a QR code of it.
-    Raises BadInputError when the address cannot be listened on, or must not be.
+    Prints ``pointbrush ready at URL`` once it listens, and on a network also a QR code of it.
+    Raises BadInputError if the address is unavailable or not allowed.
     """
-    # Python hands its lock on every 5 ms unless told otherwise; a stroke's commit in a thread
-    # takes it dozens of times, beside an event loop that sends all the time.
+    # By default, threads switch the GIL every 5 ms; a stroke's commit in a thread takes the GIL
+    # dozens of times, while the event loop sends all the time.
     sys.setswitchinterval(SWITCH_SECONDS)
     if settings.log_format not in FORMATS:
         raise BadInputError(
@@ -67,15 +67,15 @@ def run(workspace: Workspace, settings: Settings) -> None:
     app.state.certificate = tls
     allow_many_sockets()
     listener = listen(settings.host, settings.port)
-    # One that the operator set is theirs to keep: it is neither printed nor logged.
+    # A token set by the operator is neither printed nor logged.
     token = "" if settings.admin_token else app.state.token
     url = page_url(settings, listener.getsockname()[1], token, secure=tls is not None)
     wide = tls is not None or not is_loopback(settings.host)
     authority = None if tls is None else tls.authority
     app.state.ready = lambda: announce(url, code=wide, authority=authority)
     if threading.current_thread() is threading.main_thread():
-        # uvicorn drains, then raises the signal again: it must unwind us, not end us on the spot,
-        # so that the workspace is closed and its worker processes end.
+        # uvicorn drains, then raises the signal again: it must raise an exception instead of ending
+        # the process, so that the workspace is closed and its worker processes end.
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     settle_memory()
     workspace.loops.begin()
@@ -87,7 +87,7 @@ def run(workspace: Workspace, settings: Settings) -> None:
 
 
 class Server(uvicorn.Server):
-    """A server that says when it listens."""
+    """A server that prints its URL when it listens."""
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, then announce the URL."""
@@ -97,10 +97,10 @@ class Server(uvicorn.Server):
             ready.ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Answer all that viewers have sent, then close; uvicorn itself waits for REST only."""
+        """Answer all received edits, then close; uvicorn itself waits for REST only."""
         probe = getattr(getattr(self.config.app, "state", None), "ready_probe", None)
         if probe is not None:
-            probe.stopping = True  # a proxy sends nobody here any more
+            probe.stopping = True  # proxies stop sending requests here
         hub = getattr(getattr(self.config.app, "state", None), "hub", None)
         if hub is not None:
             self.config.app.state.watching.end()  # type: ignore[union-attr]
@@ -131,7 +131,7 @@ def config(app: object, settings: Settings, tls: Certificate | None) -> uvicorn.
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A listening socket; raises BadInputError when the address is taken or none of ours."""
+    """Return a listening socket; raise BadInputError if the address is in use or not local."""
     try:
         family, kind, proto, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
@@ -147,7 +147,7 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 def require_safe(settings: Settings, tls: Certificate | None) -> None:
-    """Refuse to serve plain HTTP to a network unless told so."""
+    """Refuse to serve plain HTTP to a network unless the settings allow it."""
     if is_loopback(settings.host) or tls is not None or settings.insecure:
         return
     raise BadInputError(
@@ -179,7 +179,7 @@ def lan_address() -> str:
 
 
 def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
-    """Print the one line; off this machine also a QR code, and how to trust the certificate."""
+    """Print the URL; on a network also a QR code, and how to trust the certificate."""
     print(f"pointbrush ready at {url}", flush=True)
     if code:
         import segno
@@ -195,33 +195,33 @@ def announce(url: str, *, code: bool, authority: Path | None = None) -> None:
 def keep_off_memory(temporary: Path) -> None:
     """Put temporary files, of worker processes too, on the workspace's disk.
 
-    The system's folder for them is often memory, which an upload would fill.  An operator who
-    names another in TMPDIR has it their way.
+    The system's folder for them is often in memory, which an upload would fill.  An operator can
+    set another folder by TMPDIR.
     """
     if "TMPDIR" not in os.environ:
         with contextlib.suppress(OSError):  # read-only: nothing is uploaded
             temporary.mkdir(parents=True, exist_ok=True)
         os.environ["TMPDIR"] = str(temporary)
         tempfile.tempdir = None
-    # Now: the choice is made by writing a file, for which there may be no room later.
+    # Called now, because it writes a file, for which the disk may have no space later.
     tempfile.gettempdir()
 
 
 def settle_memory() -> None:
-    """Spare the collector of cycles what stays, and give back to the system what goes.
+    """Exclude permanent objects from garbage collection, and return freed memory to the system.
 
-    Modules and models are 160,000 objects: to look through them all takes 0.1 s, in which
-    nobody is served.
+    Modules and models are 160,000 objects: a collection of all of them blocks the server for
+    0.1 s.
     """
     give_large_blocks_back()
-    gc.freeze()  # at once: to import leaves next to no garbage
+    gc.freeze()  # without a collection: imports leave hardly any garbage
 
 
 def give_large_blocks_back() -> None:
-    """Have glibc map each large block by itself, and share few heaps among the threads.
+    """Make glibc map each large block separately, and share few heaps among the threads.
 
-    Else it raises the size from which it maps to that of the largest block freed: copies of frames
-    then come from the heaps of many threads, which keep what is freed between other blocks
+    By default glibc raises its mapping threshold to the largest freed block: copies of frames then
+    come from the heaps of many threads, which keep free memory between used blocks
     (``benchmarks/bench_annotators.py``: 75 MiB a minute).
     """
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None) if sys.platform == "linux" else None

@@ -1,4 +1,4 @@
-"""The page's sessions: a random id in a cookie, which signing out, or revoking its token, ends."""
+"""The page's sessions: a random id in a cookie, valid until sign-out or revocation of the token."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from pointbrush.labels.accounts import SignIn, digest_of
 
 SESSION_DAYS = 30
 MOST_KEPT = 10_000
-"""Sessions kept in memory where the database may not be written."""
+"""Most sessions in memory, which are used if the database is read-only."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Kept:
-    """A session in memory; ``secret``: of the person's token, by which it is checked again."""
+    """A session in memory; ``secret``: the secret of the person's token, which is checked again."""
 
     sign_in: SignIn
     secret: str
@@ -25,7 +25,7 @@ class _Kept:
 
 
 class WebSessions:
-    """Sessions of one server, in the database of all; in memory where that is read-only."""
+    """Sessions of one server, in the shared database, or in memory if it is read-only."""
 
     def __init__(self, store: LabelStore, own_token: str) -> None:
         """``own_token``: the server's own; sessions made with another one are void."""
@@ -55,7 +55,7 @@ class WebSessions:
             return made
 
     def check(self, session: str) -> SignIn | None:
-        """Return the sign-in of a session, or None once it lets nobody in."""
+        """Return the sign-in of a session, or None if it is no longer valid."""
         kept = self._kept.get(digest_of(session))
         found = self._store.sign_ins.check(session) if kept is None else self._check_kept(kept)
         if found is not None and found.token is None and found.owner != self._own:

@@ -1,4 +1,4 @@
-"""Sign-ins that wait for the provider: their own threads, and few at a time from one address."""
+"""Limits of sign-ins that wait for the provider, in separate threads, also by address."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The WebSocket: admits a caller, then hands bytes to and from its session."""
+"""The WebSocket: admits a caller, then passes bytes to and from its session."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ MOST_REASON = 120
 """Characters of the reason of a close; the protocol has room for 123 bytes."""
 NOT_ADMITTED = 4401
 CLOSE_SECONDS = 2.0
-"""Longest wait for a client to take a closing and to answer it; then the connection is cut."""
+"""Longest wait for a client's answer to a close; then the connection is aborted."""
 
 
 @router.websocket("/stream")
 async def stream(socket: WebSocket) -> None:
     """Serve one viewer, from its handshake to its end.
 
-    A client that goes away during the handshake raises ClientDisconnected, of which uvicorn says
-    nothing.
+    A client that disconnects during the handshake raises ClientDisconnected, which uvicorn does
+    not log.
     """
     hub: Hub = socket.app.state.hub
     try:
@@ -50,7 +50,7 @@ async def stream(socket: WebSocket) -> None:
 
 
 def admit(socket: WebSocket) -> Principal:
-    """The caller; raises UnauthorizedError, or ForbiddenError for a stale page or origin."""
+    """Return the caller; raise UnauthorizedError, or ForbiddenError for a stale page or origin."""
     gate: Gate = socket.app.state.gate
     gate.require_host(socket)
     principal = gate.admit(socket)
@@ -106,13 +106,13 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
 
 
 async def expel(socket: WebSocket, link: WebSocketProtocol) -> None:
-    """Close the socket of a caller who is not admitted any more, though they read nothing."""
+    """Close the socket of a caller without a valid token, even if the caller does not read."""
     link.loop.call_later(CLOSE_SECONDS, link.transport.abort)
     await socket.close(NOT_ADMITTED, "expected a valid token, it was revoked or has expired")
 
 
 def still_admitted(socket: WebSocket, principal: Principal) -> None:
-    """Raise UnauthorizedError once the token or session of an open socket lets nobody in."""
+    """Raise UnauthorizedError once the token or session of an open socket is not valid."""
     now = admit(socket)
     if (now.author, now.role) != (principal.author, principal.role):
         raise UnauthorizedError("expected the token that this socket was opened with")

@@ -1,8 +1,8 @@
-"""HTTPS for headsets on the local network: our own authority, made once and kept.
+"""HTTPS for headsets on the local network: a certificate authority, created once and kept.
 
 WebXR needs a secure context.  A headset trusts the authority once; certificates for this machine's
-names are renewed under it without asking again.  Most servers have none: what reads and signs
-certificates is imported where it is used.
+names are renewed under it without another confirmation.  Most servers have none: the library for
+certificates is imported on first use.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ RENEW_DAYS = 14
 
 @dataclass(frozen=True)
 class Certificate:
-    """Files to serve HTTPS with; ``authority`` is what a headset installs, where it is ours."""
+    """Files for HTTPS; ``authority``: the file that a headset installs, if pointbrush made it."""
 
     certfile: Path
     keyfile: Path
@@ -31,9 +31,9 @@ class Certificate:
 
 
 def certificate(settings: Settings) -> Certificate | None:
-    """The certificate to serve with, or None for plain HTTP.
+    """Return the certificate to serve with, or None for plain HTTP.
 
-    Raises BadInputError for a given file that is not there, or one of two that is missing.
+    Raises BadInputError if a given file does not exist, or if only one of both is given.
     """
     if settings.certfile or settings.keyfile:
         return _given(settings)
@@ -63,7 +63,7 @@ def _given(settings: Settings) -> Certificate:
 
 
 def machine_names(settings: Settings) -> list[str]:
-    """Names and addresses that this machine is reached by on its network."""
+    """Return the names and addresses of this machine on its network."""
     name = socket.gethostname()
     names = {"localhost", "127.0.0.1", "::1", name, f"{name.split('.')[0]}.local"}
     names.update(host.strip() for host in settings.allowed_hosts.split(","))
@@ -79,7 +79,7 @@ def machine_names(settings: Settings) -> list[str]:
             probe.connect(("192.0.2.1", 9))
             names.add(probe.getsockname()[0])
         except OSError:
-            pass  # no network: the names above are all there are
+            pass  # no network: no further names
     return sorted(names - {""})
 
 
@@ -134,7 +134,7 @@ def _issue(folder: Path, names: list[str]) -> None:
 
 
 def _write_private(path: Path, content: bytes) -> None:
-    """Readable by its owner from the first moment on."""
+    """Write a file that only its owner can read, from its creation on."""
     path.unlink(missing_ok=True)
     with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
         file.write(content)

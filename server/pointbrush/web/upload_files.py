@@ -1,7 +1,7 @@
 """Calls that take uploaded files in a form, or a JSON body with the same options.
 
-Names of files are made safe, and folders stay as they were chosen.  Files that were sent to be
-previewed are kept until they are imported or an hour has gone by.
+Names of files are checked, and folders stay as they were chosen.  Files of a preview are kept for
+an hour or until they are imported.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from pointbrush.streaming.shared.status import MalformedError
 Model = TypeVar("Model", bound=BaseModel)
 COPY_BLOCK = 1 << 20
 TOGETHER = "upload"
-"""The folder, in the upload's own, that several chosen folders lie in."""
+"""The folder of several chosen folders, in the upload's folder."""
 KEPT_SECONDS = 3600.0
-"""Time that files of a preview wait."""
+"""Time for which files of a preview are kept."""
 MOST_KEPT = 16
-"""Uploads that wait on a server; the oldest make room."""
+"""Most uploads that a server keeps; the oldest are removed."""
 
 
 def described(model: type[BaseModel], options: dict[str, Any]) -> dict[str, Any]:
@@ -57,7 +57,7 @@ def parse_json(model: type[Model], body: bytes) -> Model:
 
 
 def parse_form(model: type[Model], form: FormData) -> Model:
-    """Validate options as a form has them, which is all text; raises BadInputError."""
+    """Validate the options of a form, which are all text; raise BadInputError."""
     texts = {name: form.get(name) for name in model.model_fields}
     values = {
         name: _of_text(name, text, str(model.model_fields[name].annotation))
@@ -103,12 +103,12 @@ PORTS = {f"{port}{number}" for port in ("com", "lpt") for number in range(10)}
 DEVICES = {"con", "prn", "aux", "nul", *PORTS}
 """Names that mean a device on Windows, with any ending."""
 RESERVED = set('<>:"|?*')
-"""Characters that no name has there."""
+"""Characters that Windows does not allow in names."""
 
 
 @dataclass(frozen=True)
 class Saved:
-    """Files that an import is given: paths, and the chosen folder's name where there was one."""
+    """Files of an import: paths, and the name of the chosen folder, if any."""
 
     paths: list[Path]
     name: str | None
@@ -117,7 +117,7 @@ class Saved:
 def relative_path(given: str, limits: NameLimits = LIMITS) -> PurePosixPath:
     """Return an uploaded file's path below its chosen folder, "/" between its parts.
 
-    Raises BadInputError for what is no plain relative path: absolute, with "..", hidden, reserved,
+    Raises BadInputError for paths that are absolute, contain "..", or are hidden, reserved,
     unprintable, too long or too deep.
     """
     parts = given.replace("\\", "/").split("/")
@@ -146,7 +146,7 @@ def _is_plain(part: str, limits: NameLimits) -> bool:
 
 
 def save(uploads: Sequence[UploadFile], folder: Path, limits: NameLimits = LIMITS) -> Saved:
-    """Write uploaded files into a new ``folder``, in the folders that their names say.
+    """Write uploaded files into a new ``folder``, in the folders of their names.
 
     All names are checked before anything is written.  Raises BadInputError, TooLargeError.
     """
@@ -180,7 +180,7 @@ def _write(upload: UploadFile, wanted: Path) -> Path:
 
 
 def unused(path: Path) -> Path:
-    """Return ``path``, or the first of "name-2", "name-3", … that is not there yet."""
+    """Return ``path``, or the first of "name-2", "name-3", … that does not exist."""
     number, free = 1, path
     while free.exists():
         number += 1
@@ -190,9 +190,9 @@ def unused(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class Upload:
-    """Uploaded files: ``paths`` within ``folder``, called ``name`` where a folder was chosen.
+    """Uploaded files: ``paths`` within ``folder``; ``name``: the chosen folder's name, if any.
 
-    ``id`` is "" until they are kept, ``since`` when that was.
+    ``id`` is "" until the files are kept, ``since`` the time from which they are.
     """
 
     id: str
@@ -204,12 +204,12 @@ class Upload:
 
     @property
     def kept(self) -> bool:
-        """Whether they wait for another call."""
+        """Return whether the files are kept for another call."""
         return bool(self.id)
 
 
 class KeptUploads:
-    """The uploads that wait on this server; thread-safe."""
+    """The uploads that this server keeps; thread-safe."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
@@ -217,7 +217,7 @@ class KeptUploads:
         self._lock = threading.Lock()
 
     def keep(self, upload: Upload) -> Upload:
-        """Keep files for later calls, and remove those that have waited too long."""
+        """Keep files for later calls, and remove expired ones."""
         now = self._clock()
         # A folder's name ends in 32 random hex digits.
         kept = replace(upload, id=upload.folder.name.rpartition(".")[2], since=now)
@@ -244,6 +244,6 @@ class KeptUploads:
         return found
 
     def forget(self, upload: Upload) -> None:
-        """Let files go to whoever imports or removes them."""
+        """Stop keeping files that the caller imports or removes."""
         with self._lock:
             self._uploads.pop(upload.id, None)

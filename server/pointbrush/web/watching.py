@@ -1,4 +1,4 @@
-"""Calls that wait until something happens to a recording."""
+"""Calls that wait for events of a recording."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 class Watching:
-    """Wakes who waits for a recording; ``waiting`` are their signals by its id."""
+    """Wakes the calls that wait for a recording; ``_waiting``: their events by its id."""
 
     def __init__(self) -> None:
         self._waiting: dict[str, set[asyncio.Event]] = {}
@@ -44,15 +44,15 @@ class Watching:
             signal.set()
 
     def end(self) -> None:
-        """Have every call answered at once: the server ends."""
+        """Wake every call, because the server ends."""
         self._ending = True
         for sequence in list(self._waiting):
             self._wake(sequence)
 
     async def until(self, sequence: str, look: Callable[[], tuple[T, bool]], seconds: float) -> T:
-        """Wait until ``look``, called in a thread, finds news; returns its findings.
+        """Wait until ``look``, called in a thread, finds news; return its findings.
 
-        After ``seconds``, or when the server ends, its last findings.
+        After ``seconds``, or when the server ends, return its last findings.
         """
         loop = asyncio.get_running_loop()
         deadline, signal = loop.time() + seconds, asyncio.Event()

@@ -1,9 +1,9 @@
-"""WebSocket connections that cost little for each message.
+"""WebSocket connections with low cost for each message.
 
-uvicorn copies each message behind its header; for a frame of a megabyte that copy costs a quarter
-of what sending costs in all.  And it takes each message that comes through a parser made of
-generators, a queue, a task, and two calls to the system that hold the socket and let it go: for a
-hundred viewers' credits that is as much work as the frames they are for.
+uvicorn copies each message after its header; for a frame of a megabyte this copy takes a quarter of
+the time of sending.  Each received message passes a parser made of generators, a queue, a task, and
+two system calls that pause and resume reading: for the credits of a hundred viewers, this takes as
+long as sending their frames.
 """
 
 from __future__ import annotations
@@ -27,32 +27,32 @@ BINARY = 0x82
 """A whole message of bytes (RFC 6455, section 5.2)."""
 MASKED = 0x80
 AT_ONCE = 8
-"""Messages of one read that are heard at once; the others wait their turn in uvicorn's queue."""
+"""Messages of one read that are handled at once; further ones wait in uvicorn's queue."""
 EXTENSION = "pointbrush.link"
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """Whole messages of bytes go past uvicorn, in order; everything else is uvicorn's."""
+    """Handles whole messages of bytes without uvicorn, in order; uvicorn handles the others."""
 
     hear: Callable[[bytes], bool] | None = None
-    """Acts on a message at once; when it does not, the message comes by ASGI's ``receive``."""
+    """Handles a message and returns True, or returns False to pass it to ASGI's ``receive``."""
     _tail = b""
-    """The beginning of a frame whose head is not complete."""
+    """The beginning of a frame with an incomplete head."""
     _heard_at = float("-inf")
-    """Moment at which something came last."""
+    """Time at which data was last received."""
     _owed = 0
-    """Bytes of a frame that has begun and that the library reads."""
+    """Remaining bytes of a frame that the library reads."""
 
     def handle_connect(self, event: Request) -> None:
-        """The application finds this connection in the scope's extensions."""
+        """Put this connection into the scope's extensions, for the application."""
         super().handle_connect(event)
         if self.handshake_initiated and not self.handshake_complete:
             self.scope["extensions"][EXTENSION] = {"link": self}
 
-    # ── what comes ───────────────────────────────────────────────────────────────────────
+    # ── received data ────────────────────────────────────────────────────────────────────
 
     def keepalive_timeout(self) -> None:
-        """No pong came.  Who was just heard is there, and who is not read cannot be heard."""
+        """Close the connection without a pong unless data arrived lately or reading is paused."""
         patience = self.ping_timeout or 0.0
         if self.read_paused or self.loop.time() - self._heard_at < patience:
             self.pong_timer = self.loop.call_later(patience, self.keepalive_timeout)
@@ -60,7 +60,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         super().keepalive_timeout()
 
     def data_received(self, data: bytes) -> None:
-        """Split what came into frames; short whole messages are heard without the library."""
+        """Split received data into frames; handle short whole messages without the library."""
         self._heard_at = self.loop.time()
         if self.hear is None:
             super().data_received(data)
@@ -86,7 +86,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             super().data_received(part)
 
     def _simple(self, data: bytes, at: int, length: int) -> bool:
-        """Whether the frame is a message of its own that a client may send now."""
+        """Return whether the frame is a whole message that a client may send now."""
         return (
             data[at] == BINARY
             and data[at + 1] >= MASKED
@@ -96,44 +96,44 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         )
 
     def _heard(self, message: bytes, left: int) -> bool:
-        """Hear a message now, or put it into uvicorn's queue behind those that wait there."""
+        """Handle a message now, or append it to uvicorn's queue; return whether it was handled."""
         heard = self.hear is not None and left > 0 and self.queue.empty() and self.hear(message)
         if not heard:
             self.curr_msg_data_type, self.frames = "bytes", [message]
             self.send_receive_event_to_app()
         return heard
 
-    # ── what goes ────────────────────────────────────────────────────────────────────────
+    # ── sent data ────────────────────────────────────────────────────────────────────────
 
     async def send(self, message: MutableMapping[str, Any]) -> None:  # type: ignore[override]
-        """An ASGI event; raises ClientDisconnected once the client has gone."""
+        """Send an ASGI event; raise ClientDisconnected after the client has disconnected."""
         data = message.get("bytes")
         if data is None or self.conn.state is not State.OPEN or self.conn.extensions:
             await super().send(message)  # type: ignore[arg-type]
             if self.initial_response is not None and self.close_sent:
-                # The handshake was refused, in order: uvicorn would log an error of the app's.
+                # The app refused the handshake properly: uvicorn would log an error of the app.
                 self.handshake_complete = True
             return
         await self.deliver(data)
 
     async def deliver(self, *parts: bytes | memoryview, before: bytes | None = None) -> None:
-        """Send a message of bytes; raises ClientDisconnected once the client has gone.
+        """Send a message of bytes; raise ClientDisconnected after the client has disconnected.
 
         A part may be a view of a mapped file: the system reads it when the socket takes it.
-        ``before``: a message that leaves ahead of it, in the same piece.
+        ``before``: a message to send ahead of it, in the same write.
         """
         await self._room()
         ahead = () if before is None else (header(len(before)), before)
         pieces = (*ahead, header(sum(map(len, parts))), *parts)
         if self.scheme == "wss":
-            # What is encrypted waits in this process, which would end if a mapped file that is
-            # looked at then had been cut short; the system only closes the connection.
+            # TLS reads the parts later in this process, which would end if a mapped file had been
+            # truncated; without TLS, the system only closes the connection.
             self.transport.write(b"".join(pieces))
             return
         self.transport.writelines(pieces)
 
     async def deliver_each(self, messages: Sequence[bytes]) -> None:
-        """Send messages of bytes in one piece; raises ClientDisconnected as ``deliver`` does."""
+        """Send messages of bytes in one write; raise ClientDisconnected as ``deliver``."""
         if messages:
             await self._room()
             parts = (part for data in messages for part in (header(len(data)), data))
@@ -146,10 +146,10 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             raise ClientDisconnected
 
     def shutdown(self) -> None:
-        """The server stops.  Who is about to leave anyway is told nothing more."""
+        """Close the connection when the server stops, without a close frame if it is closing."""
         if self.handshake_complete and self.conn.state is not State.OPEN:
-            # uvicorn would send its close frame behind the one that answered the client's, which
-            # the protocol refuses: the whole server would end with an error.
+            # uvicorn would send a close frame after the answer to the client's close frame, which
+            # the protocol forbids: the whole server would end with an error.
             self.stop_keepalive()
             self.transport.close()
             return
@@ -157,7 +157,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
 
 
 def link_of(socket: WebSocket) -> WebSocketProtocol:
-    """The connection of a socket that this module's protocol serves."""
+    """Return the connection of a socket that this module's protocol serves."""
     link: WebSocketProtocol = socket.scope["extensions"][EXTENSION]["link"]
     return link
 
@@ -172,7 +172,7 @@ def header(length: int) -> bytes:
 
 
 def body_of(data: bytes, at: int) -> tuple[int, int]:
-    """Return the body of the frame at ``at``: its offset and bytes; (0, 0): its head goes on."""
+    """Return offset and length of the body of the frame at ``at``; (0, 0): incomplete head."""
     if len(data) < at + 2:
         return 0, 0
     length, body = data[at + 1] & 0x7F, at + 2

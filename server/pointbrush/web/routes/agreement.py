@@ -1,4 +1,4 @@
-"""Agreement of people who label the same points, the merge of their work, and known truth."""
+"""Agreement of people with the same points to label, merging of their work, and ground truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Labels made elsewhere come in."""
+"""Import of labels of other tools."""
 
 from __future__ import annotations
 

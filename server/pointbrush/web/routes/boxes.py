@@ -78,7 +78,7 @@ class BoxChange(Body):
     edit: Uuid | None = None
 
     def asked(self) -> dict[str, Any]:
-        """Make the change of what is given, without nulls that remove nothing."""
+        """Return the given fields as a change, without nulls that remove nothing."""
         given = self.model_dump(exclude_unset=True, exclude={"edit"})
         poses = given.pop("poses", {})
         plain = {name: value for name, value in given.items() if value is not None}
@@ -90,7 +90,7 @@ def _given(pose: dict[str, Any]) -> dict[str, Any]:
 
 
 class PointsBody(Body):
-    """Frames ``I:J`` whose points to label; null: all frames with a pose of the box."""
+    """Frames ``I:J`` in which to label points; null: all frames with a pose of the box."""
 
     frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] | None = None
     only_unlabeled: bool = False
@@ -98,7 +98,7 @@ class PointsBody(Body):
 
 
 class FitBody(Body):
-    """Labels whose boxes are fitted (by default all), a category of labels, frames ``I:J``.
+    """Labels to fit boxes to (by default all), a category of labels, frames ``I:J``.
 
     ``redraw``: also replace drawn boxes.  ``id``: the UUID of the job and of its edit.
     """
@@ -126,7 +126,7 @@ class BoxEditOut(BaseModel):
 
     @classmethod
     def of(cls, made: Made) -> BoxEditOut:
-        """From what the store did."""
+        """Return the answer for the store's result."""
         commit = made.commit
         return cls(box=box_message(made.box), edit=commit.edit_id, revision=commit.revision)
 

@@ -1,4 +1,4 @@
-"""Labels by example: classifiers, what they predict, and where they doubt."""
+"""Labels by example: classifiers, their predictions and their doubts."""
 
 from __future__ import annotations
 
@@ -243,7 +243,7 @@ def stored_bytes(found: Prediction) -> bytes:
         "labels": found.labels,
     }
     head = json.dumps(about).encode()
-    head += b" " * (-(4 + len(head)) % 4)  # so that numbers of points can be looked at in place
+    head += b" " * (-(4 + len(head)) % 4)  # aligns the numbers of points, which are read in place
     parts = [len(head).to_bytes(4, "little"), head]
     if found.numbers is not None:
         parts.append(found.numbers.astype("<u4").tobytes())

@@ -25,7 +25,7 @@ async def post_stroke(
     Deleted points and points of locked and hidden labels (``visible: false``, or in the stroke's
     ``hidden``) do not change; painting with such a label is refused (409).
     """
-    # Of a function that is not async, FastAPI checks the answer in a thread once more.
+    # Async, because FastAPI validates the answer of other functions in another thread call.
     apply = workspace.strokes.apply
     return EditOut.of(await run_in_threadpool(apply, seq, i, stroke.model_dump(), who.author))
 

@@ -1,4 +1,4 @@
-"""Events of a recording, for scripts that react."""
+"""Events of a recording, for scripts that react to them."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ async def wait_for_events(
 
 
 def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str | None) -> Happened:
-    """Collect the edits after a revision and, where any differs from those seen, the jobs."""
+    """Collect the edits after a revision, and the jobs if any differs from ``jobs_seen``."""
     access = workspace.labels.team.access
     mine = (job for job in workspace.jobs.all() if job.sequence == seq)
     jobs = [job for job in mine if access.is_of(seq, job.created)]

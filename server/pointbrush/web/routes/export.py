@@ -1,6 +1,6 @@
 """Exports, streamed while they are written.
 
-On their way to clients they are bounded in number, in threads of their own, as fast as read.
+Their number is limited; each is written in a separate thread as fast as the client reads.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from pointbrush.web.problems import responses
 PIECES = 16
 PIECE = 256 << 10
 LOOK_SECONDS = 1.0
-"""Interval in which a writer that waits for room looks whether anybody still reads."""
+"""Interval in which a waiting writer checks whether the client still reads."""
 router = resource("export")
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FrameRange = Annotated[
@@ -46,17 +46,17 @@ Validation = Annotated[
 
 @dataclass
 class Place:
-    """One export's place; free again when its writer and its response have both ended."""
+    """One export's place; it is free after its writer and its response have both ended."""
 
     person: str
     holders: int = 2
 
 
 class Exports:
-    """Places for exports; all calls come from the event loop's thread."""
+    """Places for exports; all calls are from the event loop's thread."""
 
     def __init__(self, most: int, per_person: int) -> None:
-        """``most`` at once in all, ``per_person`` of one person."""
+        """``most``: exports at once in all; ``per_person``: exports at once of one person."""
         self._most, self._per_person = most, per_person
         self._taken: Counter[str] = Counter()
 
@@ -85,7 +85,7 @@ class Exports:
 
 
 class Pipe:
-    """A write-only file for one thread; its pieces are taken in the event loop."""
+    """A write-only file for one thread; the event loop reads its pieces."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
@@ -94,17 +94,17 @@ class Pipe:
         self._closed = threading.Event()
 
     def write(self, data: bytes) -> int:
-        """Take ``data``; raises BrokenPipeError when nobody reads any more."""
+        """Write ``data``; raise BrokenPipeError after the reader has closed the pipe."""
         self._gathered += data
         if len(self._gathered) >= PIECE:
             self._flush_piece()
         return len(data)
 
     def flush(self) -> None:
-        """Nothing: pieces leave when they are large enough."""
+        """Do nothing: pieces are sent when they are large enough."""
 
     def finish(self, error: BaseException | None) -> None:
-        """No more will come; ``error`` is raised in the reader."""
+        """End the pipe; the reader raises ``error``, if any."""
         try:
             if error is None:
                 self._flush_piece()
@@ -131,21 +131,21 @@ class Pipe:
                     raise BrokenPipeError("the client has gone") from None
 
     async def next(self) -> bytes:
-        """Return the next piece, empty after the last; raises what the writer raised."""
+        """Return the next piece, empty after the last; raise the writer's error."""
         item = await self._pieces.get()
         if isinstance(item, BaseException):
             raise item
         return item or b""
 
     def close(self) -> None:
-        """Nothing is read any more: the writer ends at its next piece."""
+        """Stop reading; the writer ends at its next piece."""
         self._closed.set()
         while not self._pieces.empty():
             self._pieces.get_nowait()
 
 
 class ExportResponse(StreamingResponse):
-    """A pipe's pieces; ``ended`` is called however the response ends."""
+    """A response of a pipe's pieces; ``ended`` is called at its end, also after an error."""
 
     def __init__(
         self, first: bytes, pipe: Pipe, ended: Callable[[], None], headers: dict[str, str]
@@ -174,9 +174,9 @@ async def respond(
     write: Callable[[BinaryIO], None],
     headers: dict[str, str],
 ) -> ExportResponse:
-    """Have ``write(file)`` run in a thread, and return the response that its bytes make.
+    """Run ``write(file)`` in a thread and return the response of its bytes.
 
-    The first piece is awaited, so that what it raises before is still answered as a problem.
+    The first piece is awaited, so that an error before it is still answered as a problem.
     """
     loop = asyncio.get_running_loop()
     pipe, place = Pipe(loop), exports.take(person)
@@ -272,7 +272,7 @@ async def export_sequence(
 
 
 def person_of(request: Request, who: Principal) -> str:
-    """Return a name that tells people apart; sharers of the server's own token by address."""
+    """Return a unique name of a person; users of the server's own token differ by address."""
     gate: Gate = request.app.state.gate
     address = gate.clients.address(request) if who.shared else ""
     return f"{who.author} {address}"

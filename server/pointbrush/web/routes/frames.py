@@ -1,7 +1,7 @@
-"""A frame's points, annotation layers and immutable wire chunks, and what is shown beside them.
+"""A frame's points, annotation layers and wire chunks, camera pictures and placements.
 
-Camera pictures and how the points project into them, and placements of the frames that are laid
-over it.
+Camera pictures come with projections of the points into them; placements are of the frames that
+overlay the shown one.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ Layer = Annotated[
 ]
 Written = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
 WIDEST = 8
-"""Bytes a value of the widest type that is read, to say that the type is wrong."""
+"""Bytes a value of the widest type that is read before it is refused as a wrong type."""
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 REVALIDATED = "private, no-cache"
@@ -229,7 +229,7 @@ def get_thumbnail(
     seq: SequenceId,
     i: FramePath,
     workspace: Ws,
-    # For caches alone: another import of the name has another address.
+    # For caches only: another import of the name has another address.
     of: Annotated[str, Query(max_length=64, description="the identity; changes nothing")] = "",  # noqa: ARG001
 ) -> Response:
     """Return a small picture of the frame, from the sensor or of the whole frame."""
@@ -299,7 +299,7 @@ class MovingOut(BaseModel):
 class PlacementOut(BaseModel):
     """Placement of a frame over the shown one, source coordinates, row-major 4x4.
 
-    ``moving``: labels whose tracks place their points elsewhere.
+    ``moving``: labels with points that their tracks place elsewhere.
     """
 
     frame: int

@@ -1,4 +1,4 @@
-"""Imports, and what they would do: from paths of the server's machine, or uploaded files."""
+"""Imports and their previews, from paths of the server's machine or uploaded files."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32
 WORDS = ("drop_invalid", "decimal_comma", "by_order")
 TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
-"""Options of a form that have no pattern of their own, with an example."""
+"""Options of a form without a pattern, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
 
 IMPORT_BODY = described(
@@ -66,7 +66,7 @@ IMPORT_BODY = described(
 
 @dataclass(frozen=True)
 class Wanted:
-    """An import that a call asks for; ``upload`` where its files were sent."""
+    """A requested import; ``upload``: its uploaded files, if any."""
 
     paths: list[Path]
     options: ImportOptions
@@ -235,7 +235,7 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
 
 
 def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
-    """Options whose file of poses is one of the uploaded ones."""
+    """Return options with the file of poses replaced by its path in the upload."""
     if options.poses in (None, *POSES):
         return options
     path = upload.folder / relative_path(options.poses)

@@ -1,4 +1,4 @@
-"""Long work."""
+"""Jobs."""
 
 from __future__ import annotations
 

@@ -172,7 +172,7 @@ def get_palette(seq: WholeSequence, workspace: Ws) -> PaletteOut:
     """Return the palette; the answer can be posted to another recording."""
     return PaletteOut(
         labels=[
-            # An older palette may hold what no name may hold now.
+            # An older palette may have characters that names must not contain now.
             PaletteLabel(
                 name=spelled_out(label.name),
                 category=spelled_out(label.category),

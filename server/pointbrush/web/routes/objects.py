@@ -1,4 +1,4 @@
-"""Objects: what a click can mean, from part to group."""
+"""Objects: candidates for a click, from part to group."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class ObjectOut(BaseModel):
 
     @classmethod
     def of(cls, workspace: Workspace, seq: str, i: int, answer: Answer) -> ObjectOut:
-        """From the workspace's answer, whose numbers are in stored order."""
+        """Return the answer of the workspace, converted from stored to source order."""
         stored = workspace.recording(seq)[i]
         return cls(
             first=answer.first,
@@ -80,7 +80,7 @@ def ask_object(seq: SequenceId, i: FramePath, body: ObjectBody, workspace: Ws) -
 
 
 def stale_candidate(request: Request, error: Exception) -> JSONResponse:
-    """The problem of a stroke whose candidate is void, with the candidates of now."""
+    """Return the problem of a stroke with a void candidate, with the current candidates."""
     assert isinstance(error, StaleCandidateError)  # noqa: S101 – registered for this class
     seq, i = request.path_params["seq"], int(request.path_params["i"])
     fresh = ObjectOut.of(request.app.state.workspace, seq, i, error.answer)

@@ -1,4 +1,4 @@
-"""Sign-in with an OpenID Connect provider: to it, and back with its answer."""
+"""Sign-in with an OpenID Connect provider: redirect to it, and callback with its answer."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 PLACE = f"{PREFIX}/oidc"
 router = APIRouter(prefix=PLACE, include_in_schema=False)
 REFUSED = "/?sign-in={reason}"
-"""Address for a browser whose sign-in came to nothing; the page says so."""
+"""Address for a browser after a failed sign-in; the page shows the reason."""
 
 
 class ProviderOut(BaseModel):
@@ -41,18 +41,18 @@ def _provider(request: Request) -> Provider:
 
 
 def _kept(request: Request) -> str:
-    """Name of the cookie of a sign-in under way."""
+    """Return the name of the cookie of a running sign-in."""
     return cookie_name(request).replace("session", "oidc")
 
 
 def _back(request: Request) -> str:
-    """Address that the provider sends browsers back to, by the name that this one uses."""
+    """Return the callback's address, with the server name that this browser uses."""
     return f"{request.url.scheme}://{request.headers['host']}{PLACE}/callback"
 
 
 @router.get("")
 def provider(request: Request) -> ProviderOut:
-    """Tell the page whom people can sign in with."""
+    """Return the provider for the page's sign-in."""
     gate: Gate = request.app.state.gate
     return ProviderOut(name=None if gate.provider is None else gate.provider.name)
 
@@ -70,7 +70,7 @@ async def callback(request: Request) -> Response:
 
 
 async def _in_own_thread(request: Request, step: Callable[[Request], Response]) -> Response:
-    """Run a step of a sign-in apart from the threads of all other calls: it may wait long."""
+    """Run a step of a sign-in in a separate thread, because it may wait long."""
     gate: Gate = request.app.state.gate
     try:
         with gate.sign_ins.one_of(gate.clients.address(request)):
@@ -86,7 +86,7 @@ def _login(request: Request) -> Response:
     except PointbrushError as error:
         return _refused(request, error)
     response = RedirectResponse(address, status_code=303)
-    # Lax: the browser comes back from another site, and is to bring it.
+    # Lax: the browser must send the cookie when it returns from another site.
     response.set_cookie(
         _kept(request), kept, max_age=known.flow_seconds, path=PLACE, httponly=True, samesite="lax",
         secure=request.url.is_secure,
@@ -113,7 +113,7 @@ def _callback(request: Request) -> Response:
 
 
 def _refused(request: Request, error: PointbrushError) -> Response:
-    """Send a browser to the page, which says so, and answer others as any call."""
+    """Redirect a browser to the page, which shows the error; answer other clients as usual."""
     if not wants_html(request):
         raise error
     log.warning("sign-in: %s", error.whole)

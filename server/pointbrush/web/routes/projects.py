@@ -70,7 +70,7 @@ class ProjectOut(Out):
 
     @classmethod
     def seen(cls, found: Overview) -> ProjectOut:
-        """From the workspace's."""
+        """Return the answer for a project of the workspace."""
         values = {name: getattr(found.project, name) for name in _OF_PROJECT}
         counts = {"role": found.role, "tasks": found.tasks, "people": found.people}
         return cls.model_validate({**values, **counts, "recordings": [*found.project.recordings]})

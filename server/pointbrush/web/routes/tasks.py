@@ -1,4 +1,4 @@
-"""The queue of a project: who labels which frames next."""
+"""The queue of a project: tasks to label frames, and their assignment to people."""
 
 from __future__ import annotations
 

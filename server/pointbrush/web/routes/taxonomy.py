@@ -110,7 +110,7 @@ class TaxonomyOut(BaseModel):
 
     @classmethod
     def of(cls, taxonomy: Taxonomy) -> TaxonomyOut:
-        """From the workspace's."""
+        """Return the answer for the taxonomy of the workspace."""
         return cls(
             categories=[CategoryOut.of(each) for each in taxonomy.listed()],
             attributes=[AttributeOut.of(each) for each in taxonomy.attributes()],
@@ -118,7 +118,7 @@ class TaxonomyOut(BaseModel):
 
 
 class MergedBody(Body):
-    """Numbers of the categories that go."""
+    """Numbers of the categories to remove."""
 
     categories: Annotated[list[CategoryNumber], Field(min_length=1, max_length=65535)]
 

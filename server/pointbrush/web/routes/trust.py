@@ -1,4 +1,4 @@
-"""Pages by which a headset comes to trust this server's certificate; need no token."""
+"""Pages that help a headset trust this server's certificate; they need no token."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Webhooks of a project: addresses that are told what happens in it."""
+"""Webhooks of a project: addresses that receive its events."""
 
 from __future__ import annotations
 
