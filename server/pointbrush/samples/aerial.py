@@ -1,7 +1,7 @@
-"""Land as an aircraft's lidar sees it: terrain, roads, houses, trees, water, vehicles.
+"""Airborne lidar scans of land: terrain, roads, houses, trees, water, vehicles.
 
 Every point has its class, intensity, and the number of its return; a tile is one frame, z up, in
-coordinates as far from the origin as a national grid's.
+coordinates as far from the origin as in a national grid.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class AerialOptions:
     trees: int = 200
     cars: int = 34
     tilt: float = 0.22
-    """Metres aside per metre down of the pulses: what shows of walls."""
+    """Horizontal metres of a pulse per metre down; greater values show more of walls."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
@@ -92,7 +92,7 @@ class _Points:
 
 
 class Land:
-    """A tile from a seed: its terrain, and what stands on it."""
+    """A tile from a seed: its terrain, and the objects on it."""
 
     def __init__(self, seed: int, options: AerialOptions) -> None:
         self.options = options
@@ -117,7 +117,7 @@ class Land:
         return middle, np.array([cos(angle), sin(angle)]), rng.uniform(2.5, 5.0)
 
     def height(self, xy: Array) -> Array:
-        """Height (n,) of the ground under the plan's places (n, 2), water lying level in it."""
+        """Return the height (n,) of the ground at places (n, 2), with level water."""
         z = 12.0 + matmul(xy, self.slope)
         for wave, phase, high in self._waves:
             z = z + high * sines(matmul(xy, wave) + phase)
@@ -136,7 +136,7 @@ class Land:
         return np.asarray(np.minimum(river, pond))
 
     def on_road(self, xy: Array) -> NDArray[np.bool_]:
-        """Say of places (n, 2) whether they lie on a road."""
+        """Return whether each of the places (n, 2) is on a road."""
         found = np.zeros(len(xy), np.bool_)
         for middle, way, wide in self.roads:
             found |= np.abs(matmul(xy - middle, np.array([-way[1], way[0]]))) < wide
@@ -196,7 +196,7 @@ def _frame(rows: Array, seed: int, edge: float, rng: Rng) -> PointFrame:
     xyz = rows[:, :3] + draw_normal(rng, NOISE, (len(rows), 3))
     inside = ((xyz[:, :2] > 0) & (xyz[:, :2] < edge)).all(axis=1)
     rows, xyz = rows[inside], xyz[inside]
-    along_strips = np.floor(xyz[:, 0] / 2) * 1e6 + xyz[:, 1]  # as they are flown
+    along_strips = np.floor(xyz[:, 0] / 2) * 1e6 + xyz[:, 1]  # in the order of the flight
     order = np.argsort(along_strips, kind="stable")
     rows, xyz = rows[order], xyz[order] + CORNER + np.array([seed % 10, seed // 10, 0]) * edge
     strength = np.clip(rows[:, 4] * rng.uniform(0.8, 1.2, len(rows)), 0, 1)
@@ -239,7 +239,7 @@ def _house(
     on = (np.abs(own) < house.half).all(axis=1) & free
     free[on] = False
     z = house.roof(own[on])
-    if rng.random() < 0.5:  # a chimney, or what stands on a flat roof
+    if rng.random() < 0.5:  # a chimney, or a box on a flat roof
         place = house.half * rng.uniform(-0.6, 0.6, 2)
         z = np.where((np.abs(own[on] - place) < 0.6).all(axis=1), z + rng.uniform(0.6, 1.4), z)
     points.add(np.column_stack([xy[on], z]), BUILDING, np.full(int(on.sum()), house.tone))
@@ -326,7 +326,7 @@ def _tree(
 def _floor(
     land: Land, rng: Rng, xy: Array, ground: Array, free: NDArray[np.bool_], points: _Points
 ) -> None:
-    """Add what is left: roads, grass, and water, which gives few of its pulses back."""
+    """Add the remaining points: roads, grass, and water, which returns few pulses."""
     wet = land.shore(xy) < 0
     kept = free & (~wet | (rng.random(len(xy)) < 0.35))
     for kind, which in ((WATER, wet), (GROUND, ~wet)):

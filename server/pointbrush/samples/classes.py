@@ -1,4 +1,4 @@
-"""Frames with the class of every point: what labelling by example is measured on."""
+"""Frames with the class of every point, for the evaluation of labelling by example."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def classified_tile(seed: int) -> Classified:
 def scores(
     truth: NDArray[np.integer], found: NDArray[np.integer], count: int
 ) -> Mapping[str, float]:
-    """Return overall accuracy, and the mean IoU of the classes 1..count that are there."""
+    """Return overall accuracy, and the mean IoU of the present classes of 1..count."""
     table = np.bincount(truth.astype(np.int64) * (count + 1) + found, minlength=(count + 1) ** 2)
     table = table.reshape(count + 1, count + 1)
     hit = np.diag(table)[1:]

@@ -1,4 +1,4 @@
-"""Single frames of table tops and shelves on which things touch, lean on and carry one another."""
+"""Single frames of table tops and shelves with objects that touch, lean on and carry each other."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pointbrush.samples.textures import matte
 
 @dataclass(frozen=True, slots=True)
 class ContactOptions:
-    """Sizes and frequencies of what stands on a table top or shelf."""
+    """Sizes and frequencies of the objects on a table top or shelf."""
 
     most_rows: int = 5
     """Rows of things on one board, at most."""
@@ -48,7 +48,7 @@ class ContactOptions:
 
 
 class _Display:
-    """Solids of a table or a shelf with what stands on it; labels from 1 in order of placing."""
+    """Solids of a table or a shelf and of its objects; labels from 1 in order of placing."""
 
     def __init__(self, rng: Rng, options: ContactOptions) -> None:
         self.solids: list[Solid] = []
@@ -60,7 +60,7 @@ class _Display:
         self.solids += furniture.placed(T_room_furniture, self._count)
 
     def fill(self, width: float, depth: float, height: float, room: float) -> None:
-        """Put rows of things on a board whose middle is above the origin; ``room`` over it."""
+        """Put rows of objects on a board centred above the origin; ``room``: free height."""
         rng = self._rng
         placed: list[tuple[float, float, float]] = []
         for _ in range(int(rng.integers(2, self._options.most_rows + 1))):

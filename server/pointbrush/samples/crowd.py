@@ -1,4 +1,4 @@
-"""The crowd: people who come into a room and leave it at the picture's edges, a bag and a ball."""
+"""The crowd: people enter and leave a room at the picture's edges, with a bag and a ball."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from pointbrush.samples.walkers import COLORS, Loop, Walk
 HEIGHT = 1.9
 """Metres of the camera above the floor."""
 PITCH = 14.0
-"""Degrees that it looks down: near people are seen from the head down, as far as they fit."""
+"""Degrees of the camera below the horizon; near people are visible from the head down."""
 WAYS = (
     (0.0, -2.0, 1.9, 0.12, 0.0),
     (0.4, -1.4, 1.9, 0.3, 80.0),
@@ -45,16 +45,16 @@ BALL_Z = -2.375
 BALL_XS = (-0.9, -0.7, -0.5, -0.3, 0.95)
 """Metres; places of the ball that lie between the loops."""
 TRIES = 300
-"""Timetables that are tried, for people to show at first and to keep out of each other's way."""
+"""Number of random timetables, of which the best has visible people and no collisions."""
 EYE_LEVEL = 1.5
-"""Metres above the floor; who is in the picture there shows at least head and shoulders."""
+"""Metres above the floor; a person visible there shows at least head and shoulders."""
 BAG_LEVEL = 0.5
 """Metres above the floor at which a bag is carried."""
 EDGE_TAN = 0.68
 LOWER_EDGE_TAN = 0.58
 """Tangents of the picture's side edges and its lower one, from its middle."""
 RIM = 0.12
-"""Distance from an edge, as a tangent, of somebody who comes in or goes."""
+"""Distance from an edge, as a tangent, within which a person counts as at the edge."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +62,9 @@ class CrowdOptions:
     """Options of a crowded room."""
 
     people: int = 4
-    """Number of them, 3 to 5; one is at the edge of the picture at first."""
+    """Number of people, 3 to 5; one is at the edge of the picture at first."""
     things: bool = True
-    """A bag, which somebody carries, and a ball on the floor are labels too."""
+    """A bag, carried by a person, and a ball on the floor are labels too."""
 
 
 class CrowdScene(LivingRoom):
@@ -118,7 +118,7 @@ class CrowdScene(LivingRoom):
 
 
 def _timetable(people: int, seconds: float, rng: np.random.Generator) -> list[Loop]:
-    """Draw loops on which all show at first, one at the edge, and nobody walks through another."""
+    """Draw loops of people: all visible at first, one at the edge, without collisions."""
     best: tuple[float, list[Loop]] = (-np.inf, [])
     times = np.arange(0, seconds, 0.1)
     for _ in range(TRIES):
@@ -135,8 +135,8 @@ def _timetable(people: int, seconds: float, rng: np.random.Generator) -> list[Lo
 
 
 def _inside(place: Array, level: float) -> float:
-    """Measure by how far somebody is in the picture, ``level`` metres above the floor, as a tangent
-    from its side or lower edge."""
+    """Return a person's distance from the side or lower edge of the picture, as a tangent, at
+    ``level`` metres above the floor; negative outside."""
     pitch = math.radians(PITCH)
     away = vec(place[0], level - HEIGHT, place[2])
     depth = -away[2] * cos(pitch) - away[1] * sin(pitch)
@@ -153,7 +153,7 @@ def _clearance(loops: Sequence[Loop], times: Array) -> float:
 
 
 def _carrier(walks: Sequence[Walk]) -> tuple[int, int]:
-    """Number and hand of who carries the bag: the nearest of whom it shows at first."""
+    """Return person and hand that carry the bag: the nearest person with a visible bag at first."""
     places = [walk.place(0.0) for walk in walks]
     showing = [k for k, place in enumerate(places) if _inside(place, BAG_LEVEL) > RIM]
     who = max(showing or range(len(walks)), key=lambda k: places[k][2])
@@ -162,7 +162,7 @@ def _carrier(walks: Sequence[Walk]) -> tuple[int, int]:
 
 
 def _open_place(people: Sequence[Array]) -> Array:
-    """Choose the ball's place (3,) that people in front of it are farthest from hiding at first."""
+    """Choose the ball's place (3,) that is farthest from being occluded by people at first."""
     ahead = [place[0] / place[2] for place in people if BALL_Z < place[2] < 0]
     gaps = [min((abs(x / BALL_Z - side) for side in ahead), default=1.0) for x in BALL_XS]
     return vec(BALL_XS[int(np.argmax(gaps))], BALL_RADIUS, BALL_Z)

@@ -26,11 +26,11 @@ HALF_ROAD = 7.0
 LANE = 0.3
 """Share of half the road from its middle to the middle of a lane."""
 SPEEDS = (4.0, 11.0)
-"""Metres a second of all that drives."""
+"""Range of the speed of driving vehicles, metres a second."""
 CLEAR_M = 14.0
 """Metres between vehicles of a lane at least."""
 CLEAR_SECONDS = 3.0
-"""Seconds for which they are so far apart."""
+"""Seconds for which the vehicles keep this distance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Vehicle:
     speed: float
 
     def clear_of(self, other: Vehicle) -> bool:
-        """Tell whether it keeps off another's place in its lane."""
+        """Return whether it keeps its distance from another vehicle in its lane."""
         gaps = [self.z - other.z]
         gaps.append(gaps[0] + CLEAR_SECONDS * (self.speed - other.speed))
         apart = min(map(abs, gaps)) > CLEAR_M and gaps[0] * gaps[1] > 0
@@ -50,8 +50,8 @@ class Vehicle:
 
 
 class DrivenStreet(Street):
-    """A street whose parked and driving vehicles are known: ``parked`` labels, ``driving`` label
-    -> vehicle; the sensor's is ``own``."""
+    """A street with known vehicles: ``parked`` labels, ``driving`` label -> vehicle; the sensor is
+    on ``own``."""
 
     def __init__(self, seed: int) -> None:
         rng = np.random.default_rng([seed, 61])
@@ -74,13 +74,13 @@ class DrivenStreet(Street):
         self.parked |= set(range(before + 1, self.count + 1))
 
     def _ground(self) -> None:
-        """Widen the road first, for two lanes between those who park."""
+        """Widen the road first, for two lanes between parked vehicles."""
         wider = max(self.road, HALF_ROAD) - self.road
         self.road, self._walk = self.road + wider, self._walk + wider
         super()._ground()
 
     def _crossing(self) -> None:
-        """Leave the road to those who drive."""
+        """Put no cars across the road, which driving vehicles use."""
 
     def _driving(self) -> None:
         rng: Rng = self._rng
@@ -97,7 +97,7 @@ class DrivenStreet(Street):
 def drive(seed: int, frames: int, rate: float = 10.0) -> list[Labelled]:
     """Return ``frames`` turns of a lidar on a car, y up, the sensor at the viewpoint.
 
-    Labels are those of vehicles; ``T_room_frame`` is the sensor's pose.
+    Labels are of vehicles; ``T_room_frame`` is the sensor's pose.
     """
     street = DrivenStreet(seed)
     told = np.zeros(street.count + 1, np.bool_)

@@ -1,6 +1,6 @@
 """Things on the walls, floor and tables of a home, as in ``furniture``.
 
-What hangs has its back at the wall; its solids begin above the floor.
+Hanging things have their back at the wall; their solids begin above the floor.
 """
 
 from __future__ import annotations
@@ -151,6 +151,6 @@ def laptop(rng: Rng) -> Furniture:
 ON_WALLS: Makers = (
     picture, picture, picture, door, window, curtain, radiator, wall_cabinet, towel,
 )  # fmt: skip
-"""Makers of what hangs."""
+"""Makers of hanging things."""
 ON_TOPS: Makers = (clutter, clutter, clutter, screen, laptop, laptop)
-"""Makers of what lies on tables."""
+"""Makers of things on tables."""

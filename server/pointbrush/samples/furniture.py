@@ -16,7 +16,7 @@ from pointbrush.samples.textures import Material, books, cloth, linear, matte, p
 
 Rng = np.random.Generator
 ODD_PART = 0.15
-"""Share of parts that are painted by themselves."""
+"""Share of parts with a separate colour."""
 WHITE = "#e4e2dd"
 """Paint and ceramics."""
 
@@ -294,4 +294,4 @@ def clutter(rng: Rng) -> Furniture:
 Makers = tuple[Callable[[Rng], Furniture], ...]
 STANDING: Makers = (chair, carton, bin_, plant, lamp, sofa, table)
 AT_WALLS: Makers = (cabinet, shelf, sofa, bed, cabinet, table)
-"""Makers of what stands about, and of what has its back at a wall."""
+"""Makers of free-standing furniture, and of furniture with its back at a wall."""

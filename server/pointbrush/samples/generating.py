@@ -1,6 +1,6 @@
 """Recordings by the name of their kind: generated from a seed, and written to disk.
 
-On disk a recording is one .npz per frame with its truth, and what is common to all beside them.
+On disk a recording is one .npz per frame with its truth, and a JSON file with common data.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ KINDS: dict[str, Callable[..., Scene]] = {
     "tabletop": _tabletop,
     "walking": _walking,
 }
-"""Kind -> its scene; options are those of the kind, CrowdOptions for "crowd"."""
+"""Kind -> its scene; each kind has its options, for example CrowdOptions for "crowd"."""
 
 
 def generate(
@@ -60,10 +60,10 @@ def generate(
     rate: float = FPS,
     **options: Any,
 ) -> Recording:
-    """Prepare a recording; its frames are made when they are asked for.
+    """Return a recording with frames that are made on access.
 
-    ``noise`` multiplies the sensor's errors (0: none); ``rate`` frames a second.  ``options`` are
-    those of the kind.
+    ``noise`` multiplies the sensor's errors (0: none); ``rate`` frames a second.  ``options``:
+    options of the kind.
     Raises BadInputError for an unknown kind or option and for values out of range.
     """
     if kind not in KINDS:

@@ -300,4 +300,4 @@ HOME_AT_WALLS: Makers = (
     *AT_WALLS, counter, counter, machine, toilet, basin, bathtub, nightstand, nightstand,
     corner_sofa, armchair, bag,
 )  # fmt: skip
-"""Makers of what stands about in a home, and of what has its back at a wall."""
+"""Makers of free-standing things of a home, and of things with their back at a wall."""

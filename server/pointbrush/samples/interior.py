@@ -34,7 +34,7 @@ TRIES = 25
 
 @dataclass(frozen=True, slots=True)
 class Furnishing:
-    """Makers of what a room holds, and bounds of how many (from, below)."""
+    """Makers of a room's contents, and bounds of their numbers (from, below)."""
 
     standing: Makers = STANDING
     at_walls: Makers = AT_WALLS
@@ -47,9 +47,9 @@ class Furnishing:
     many_on_walls: tuple[int, int] = (2, 8)
     many_rugs: tuple[int, int] = (0, 1)
     alike: float = 0.0
-    """Share of materials that are the room's own: of its walls, its floor and a few more."""
+    """Share of materials from the room's palette: of its walls, its floor and a few more."""
     apart: float = 0.85
-    """Times the sum of two radii; furniture stands at least so far apart."""
+    """Least distance of two pieces of furniture, as a multiple of the sum of their radii."""
 
     def check(self) -> None:
         """Raise BadInputError for bounds that allow nothing."""

@@ -120,7 +120,7 @@ class JugglingScene(LivingRoom):
         return Moment(solids, balls, poses)
 
     def _posture(self, p: int, t: float) -> Posture:
-        """Return a juggler's posture: hands as the pattern asks, the rest sways and breathes."""
+        """Return a juggler's posture: hands follow the pattern, the rest sways and breathes."""
         stand, look, f = self.stands[p], self.looks[p], self._phases[p]
         axes = yaw(stand.facing)
         sway = vec(0.025 * wobble(t, f[:2], (2.3, 3.7)), 0, 0.02 * wobble(t, f[2:4], (1.9, 3.1)))
@@ -162,7 +162,7 @@ class JugglingScene(LivingRoom):
         )
 
     def _carried(self, posture: Posture, k: int, t: float) -> Array:
-        """Return a pin held still by the one who watches."""
+        """Return a pin held still by the watching person."""
         f = self._phases[1]
         hand = Hand(self.stands[-1], 1.0 if k == 0 else -1.0)
         axis = hand.axis(math.radians(60) + 0.35 * wobble(t, f[k : k + 2], (1.5, 2.4)))

@@ -99,7 +99,7 @@ def rhythm(siteswap: str, hands: int, beat: float, dwell: float) -> Rhythm:
 
 
 def schedule(rhythm: Rhythm, start: float, stop: float) -> list[Throw]:
-    """All throws that matter to start..stop, in order of leaving."""
+    """Return all throws that overlap start..stop, in order of release."""
     longest = max(rhythm.throws)
     first = int(start / rhythm.beat) - 3 * longest - rhythm.hands
     last = int(stop / rhythm.beat) + 2 * longest + rhythm.hands
@@ -173,7 +173,7 @@ class Hand:
         return np.asarray(-yaw(self.stand.facing)[:, 0])
 
     def axis(self, angle: float) -> Array:
-        """Direction of a held pin whose body points ``angle`` above forward."""
+        """Return the direction of a held pin with its body ``angle`` above forward."""
         return unit(matmul(yaw(self.stand.facing), vec(self.side * 0.14, sin(angle), cos(angle))))
 
     def place(self, what: str) -> Array:

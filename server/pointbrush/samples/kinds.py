@@ -1,4 +1,4 @@
-"""Sample recordings that a person can have made: frames, and the palette to label them with."""
+"""Sample recordings for users: frames, and the palette for their labels."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MOST_TILES = 4
 
 
 class Sample(Protocol):
-    """A recording that is made."""
+    """A generated recording."""
 
     @property
     def name(self) -> str:
@@ -27,7 +27,7 @@ class Sample(Protocol):
 
     @property
     def frames(self) -> Sequence[PointFrame]:
-        """All frames, made when they are asked for."""
+        """All frames, made on access."""
 
     @property
     def labels(self) -> Sequence[LabelInfo]:
@@ -53,7 +53,7 @@ class Aerial:
 def sample(kind: str, seed: int, frames: int) -> Sample:
     """Return a sample of a kind; raises BadInputError for an unknown one.
 
-    ``frames`` of a recording; of land as many tiles, four at most.
+    ``frames``: number of frames, or of tiles of land, at most four.
     """
     if kind == "aerial":
         return Aerial(seed, min(frames, MOST_TILES))

@@ -1,7 +1,7 @@
-"""Light in the room: a window, a lamp, and what the walls give back.
+"""Light in the room: a window, a lamp, and reflections of the walls.
 
-Whatever moves throws its shadow by a few balls that stand for it.  The still room is lit once;
-each frame then only darkens it where something moves.
+A few balls represent each moving object and cast its shadow.  The still room is lit once; each
+frame then only darkens it near moving objects.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from pointbrush.samples.reproducible import cos, gaussian_blur, matmul, sin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lamp:
-    """A light of linear ``color`` at ``position``; ``reach`` is where it has fallen to a half."""
+    """A light of linear ``color`` at ``position``; ``reach``: the distance of half intensity."""
 
     position: Array
     color: tuple[float, float, float]
@@ -39,7 +39,7 @@ class Lights:
 
 
 Ball = tuple[Array, float]
-"""Centre in the room and radius: a stand-in for something that throws a shadow."""
+"""Centre in the room, and radius, of a ball that casts an object's shadow."""
 
 
 def lamp_light(lamp: Lamp, s: Shaded, eye: Field) -> Field:

@@ -1,6 +1,6 @@
-"""People: an articulated body of rounded cones, posed by what the hands, feet and eyes do.
+"""People: an articulated body of rounded cones, posed by hands, feet and eyes.
 
-Arms and legs are bent so that hands and feet are where the posture wants them.
+Arms and legs are bent so that hands and feet are at the places of the posture.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ UPPER_ARM = 0.29
 FOREARM = 0.325
 THIGH = 0.43
 SHANK = 0.42
-"""Metres between the joints of somebody of scale 1."""
+"""Metres between the joints of a person of scale 1."""
 
 
 def arm(
@@ -62,7 +62,7 @@ def arm(
 def _hand(
     wrist: Array, reach: Array, left: Array, side: float, skin: Material, label: int
 ) -> list[Solid]:
-    """Palm, thumb and four fingers, half closed round what the hand holds."""
+    """Return palm, thumb and four fingers, half closed round the held object."""
     forward = unit(reach - wrist)
     across = unit(left - inner(left, forward) * forward)
     down = np.cross(across, forward)
@@ -145,7 +145,7 @@ def body(look: Look, posture: Posture, label: int) -> list[Solid]:
 
 
 def shadow_balls(posture: Posture) -> list[tuple[Array, float]]:
-    """Balls that stand for a body in shadows."""
+    """Return the balls that cast a body's shadow."""
     p = posture.pelvis
     balls = [
         (p + UP * 0.02, 0.17),

@@ -106,7 +106,7 @@ def hanging_hands(
 def standing_feet(
     place: Array, facing: float, height: float, apart: float = 0.13
 ) -> tuple[Foot, Foot]:
-    """Return feet planted under a person who stands at ``place`` on the floor."""
+    """Return the feet of a standing person at ``place`` on the floor."""
     axes = yaw(facing)
     y = 0.085 * height / 1.75
     return (

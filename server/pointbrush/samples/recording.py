@@ -69,7 +69,7 @@ class Scene(Protocol):
 
 
 class Lazy(Sequence[T], Generic[T]):
-    """A sequence whose items are made when asked for."""
+    """A sequence with items that are made on access."""
 
     def __init__(self, count: int, make: Callable[[int], T]) -> None:
         self._count, self._make = count, make
@@ -117,7 +117,7 @@ class Recording:
     sensor: Sensor = field(default_factory=Sensor)
     camera: DepthCamera = KINECT
     keep: int = 3
-    """Number of finished frames that are remembered."""
+    """Number of cached frames."""
 
     def __post_init__(self) -> None:
         self._made: OrderedDict[int, _Made] = OrderedDict()
@@ -142,7 +142,7 @@ class Recording:
 
     @property
     def visible(self) -> Sequence[dict[int, int]]:
-        """Number of points of each label that is seen."""
+        """Number of points of each visible label."""
         return Lazy(self.count, self._visible)
 
     @cached_property
@@ -179,7 +179,7 @@ class Recording:
         return made
 
     def _render(self, i: int) -> _Made:
-        """Cast what moves into the still room, light it, and let the sensor look at it."""
+        """Cast the moving solids into the still room, light it, and simulate the sensor."""
         room, camera, t = self._room, self.camera, i / self.fps
         moment = self.scene.at(t)
         seen = room.surface.copy()

@@ -1,6 +1,6 @@
 """Arithmetic that gives the same bits on every x86-64 processor.
 
-BLAS and LAPACK (``@``, ``np.linalg``), NumPy's sines and exponentials and those of the C library
+BLAS and LAPACK (``@``, ``np.linalg``), and the sines and exponentials of NumPy and the C library,
 have variants per processor that differ in the last bit.  One bit decides whether a ray meets an
 edge, and the number of such pixels decides how many random numbers are drawn.
 
@@ -106,7 +106,7 @@ def _series(square: float, ratios: Sequence[float]) -> float: ...
 @overload
 def _series(square: Array, ratios: Sequence[float]) -> Array: ...
 def _series(square: Any, ratios: Sequence[float]) -> Any:
-    """Sum a series whose terms grow by ``ratios`` times ``square``."""
+    """Sum a series; each term is the previous one times a ratio of ``ratios`` and ``square``."""
     value = 1.0 + ratios[0] * square
     for ratio in ratios[1:]:
         value *= square
@@ -156,7 +156,7 @@ def draw_exponential(rng: Rng, mean: float, count: int) -> Array:
 def gaussian_blur(image: NDArray[np.float32], deviation: float) -> NDArray[np.float32]:
     """Blur an image by a Gaussian of so many pixels.
 
-    Its few weights are rounded so coarsely that no library's last bit shows.
+    Its few weights are rounded so coarsely that the last bit of a library has no effect.
     """
     reach = int(4 * deviation + 0.5)
     offsets = [k / deviation for k in range(-reach, reach + 1)]

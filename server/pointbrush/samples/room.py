@@ -1,4 +1,4 @@
-"""The still room: floor, walls and what stands about in it."""
+"""The still room: floor, walls and furniture."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Single frames of furnished rooms with the instance of every point.
 
-``room_view``: one view of a depth camera; ``room_scan``: many views joined and thinned, as a
-scanned room comes from a phone or a scanner; ``home_scan``: the same of a lived-in home, of many
-kinds of furniture, its views placed less well and fused to one smooth surface.
+``room_view``: one view of a depth camera; ``room_scan``: many views joined and thinned, like a
+room scanned with a phone or a scanner; ``home_scan``: a scan of a lived-in home with many kinds of
+furniture, with less exact poses of views, fused to one smooth surface.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ WIDE = DepthCamera(width=288, height=216, fx=190.0, fy=190.0, cx=143.5, cy=107.5
 NEWTON_STEPS = 12
 """Steps to the least eigenvalue of a neighbourhood's scatter."""
 FUSED_AT_ONCE = 20_000
-"""Points whose neighbourhoods are held at once."""
+"""Points of one batch of neighbourhoods, which bounds the memory."""
 SCAN_NOISE = 0.004
 """Metres; standard deviation of a scan's points along the view."""
 
@@ -128,7 +128,7 @@ class ScanOptions:
     """Settings of a scan, and errors of its views."""
 
     points: int = 200_000
-    """Points that are left, about."""
+    """Approximate number of points of the scan."""
     views: int = 14
     noise: float = SCAN_NOISE
     """Metres; standard deviation of a point."""
@@ -137,8 +137,8 @@ class ScanOptions:
     turn: float = 0.0
     """Radians; standard deviation of a view's direction, about each axis."""
     fused: int = 0
-    """Neighbours to whose middle a point moves along the normal, and whose mean colour it takes:
-    fused surfaces are rounded at their edges, and flow together where they touch."""
+    """Neighbours of a point that give its position along the normal and its colour by their mean:
+    fused surfaces are rounded at their edges, and merge where they touch."""
     bumps: float = 0.0
     """Metres; amplitude of the waves of a fused surface."""
     bump_width: float = 0.2
@@ -155,7 +155,7 @@ class ScanOptions:
 
 
 FUSED = ScanOptions(views=18, drift=0.012, turn=0.006, fused=16, bumps=0.008)
-"""A scan by a camera that finds its own way."""
+"""A scan by a camera that estimates its own poses."""
 
 
 def room_scan(seed: int, points: int = 200_000, views: int = 14) -> Labelled:
@@ -202,7 +202,7 @@ def scan_of(interior: Interior, seed: int, options: ScanOptions) -> Labelled:
 def _fused(
     xyz: Array, rgb: NDArray[np.uint8], options: ScanOptions
 ) -> tuple[Array, NDArray[np.uint8]]:
-    """Return places and colours (n, 3) of points as a surface fused of them has them."""
+    """Return positions and colours (n, 3) of points moved to the fused surface."""
     tree = cKDTree(xyz, balanced_tree=False, compact_nodes=False)
     near = np.asarray(tree.query(xyz, k=min(options.fused, len(xyz)))[1]).reshape(len(xyz), -1)
     wave = noise(np.asarray(xyz.T, np.float32), options.bump_width) - 0.5
@@ -212,7 +212,7 @@ def _fused(
         around = xyz[near[part].T]
         middle = around.mean(axis=0)
         normal = _normals(around - middle)
-        # Waves move a surface as one: upward or to one side, whichever way its normal points.
+        # Orient the normals to one side, so that the waves move a surface as a whole.
         normal *= np.where(matmul(normal, vec(0.3, 0.9, 0.4)) < 0, -1.0, 1.0)[:, None]
         lift = ((middle - xyz[part]) * normal).T.sum(axis=0) + 2 * options.bumps * wave[part]
         places[part] = xyz[part] + lift[:, None] * normal
@@ -243,7 +243,7 @@ def _normals(apart: Array) -> Array:
 
 
 def _thinned(xyz: Array, points: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Numbers of about ``points`` points, spread evenly: the first of each small cube."""
+    """Return indices of about ``points`` points, spread evenly: the first of each small cube."""
     size = 0.008
     order = rng.permutation(len(xyz))
     while True:

@@ -42,7 +42,7 @@ EDGE = 0.05
 """Depth step between neighbours, metres, that makes an edge."""
 
 _TONES = (np.linspace(0, 1, 2**16) ** (1 / 2.2) * 255 + 0.5).astype(np.uint8)
-"""Tone by linear light, none so near a step between tones that a library's last bit shows."""
+"""Tone by linear light; no value is so near a step that the last bit of a library matters."""
 
 _AROUND = np.array([(r, c) for r in (-1, 0, 1) for c in (-1, 0, 1)]).T
 
@@ -142,7 +142,7 @@ def _span(depth: Field) -> Field:
 def _jitter(
     depth: Field, label: NDArray[np.uint16], amplitude: Field, rng: np.random.Generator
 ) -> tuple[Field, NDArray[np.uint16], Field]:
-    """Let edge pixels look a pixel aside now and then."""
+    """Replace some edge pixels by a neighbour."""
     rows, columns = np.nonzero(_span(depth) > EDGE)
     offset = draw_normal(rng, 0.42, (2, rows.size))
     r = np.clip(np.rint(rows + offset[0]), 0, depth.shape[0] - 1).astype(np.intp)
@@ -245,7 +245,7 @@ def spin(spinner: Spinner, eye: Array, solids: Sequence[Solid], rng: np.random.G
 
 
 def _aimed(spinner: Spinner, solid: Solid, eye: Array) -> NDArray[np.intp]:
-    """Numbers of the rays that may meet a solid: those toward the ball round its box."""
+    """Return the indices of rays that may meet a solid: rays toward the ball round its box."""
     lo, hi = (bound * solid.scale for bound in solid.shape.bounds)
     middle = matmul(solid.pose[:3, :3], (lo + hi) / 2) + solid.pose[:3, 3] - eye
     radius = norm(hi - lo) / 2

@@ -1,4 +1,4 @@
-"""Canonical solids and where rays meet them first.
+"""Canonical solids and their first intersections with rays.
 
 Each shape is met by rays ``o + t d`` in its own unit coordinates; the renderer places it by a
 rigid pose and a scale, and ``t`` is kept by that map.  Rays start outside and are component-major

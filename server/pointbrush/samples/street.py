@@ -220,7 +220,7 @@ def vehicle(rng: Rng) -> Body:
 
 
 def pedestrian(rng: Rng) -> list[Solid]:
-    """Return someone who stands or walks, of rods and eggs."""
+    """Return a standing or walking person, of rods and eggs."""
     s, stride = rng.uniform(0.7, 1.08), rng.uniform(-0.3, 0.3)
     shirt, trousers, skin = matte(colour(rng)), matte(colour(rng)), matte("#c99b7d")
     parts = [
@@ -237,7 +237,7 @@ def pedestrian(rng: Rng) -> list[Solid]:
 
 
 def cyclist(rng: Rng) -> list[Solid]:
-    """Return someone on a bicycle or motorbike, or the bicycle alone, along z."""
+    """Return a person on a bicycle or motorbike, or the bicycle alone, along z."""
     frame, tall = matte(colour(rng)), 0.34
     turn = along(vec(0, 0, 0), vec(1, 0, 0), vec(0, 0, 1))[:3, :3]
     parts = [

@@ -1,4 +1,4 @@
-"""The table-top scene: someone sits at a table and moves things about with both hands.
+"""The table-top scene: a person sits at a table and moves things with both hands.
 
 Things are household things: each a few solids that move as one; a thing's own frame has its
 origin at the middle of its base, y up.
@@ -149,14 +149,14 @@ THINGS: tuple[Callable[[], Thing], ...] = (
     _brick,
     _bowl,
 )
-"""Makers of all the things there are."""
+"""Makers of all things."""
 
 
 @dataclass(frozen=True, slots=True)
 class TabletopOptions:
     """Options of a table-top recording.
 
-    ``things`` 1 to 8; ``label_people``: whether who moves them is a label too.
+    ``things`` 1 to 8; ``label_people``: whether the person is a label too.
     """
 
     things: int = 6
@@ -205,7 +205,7 @@ class Script:
             clock[which] = self._plan(which, clock[which], rng)
 
     def _free(self, k: int, rng: np.random.Generator, side: float | None) -> Array:
-        """Return a place for thing ``k``, apart from all others; on one side if asked."""
+        """Return a place for thing ``k``, apart from all others; ``side``: on this side only."""
         best, clearance = vec(0, TABLE, FAR), -1.0
         for _ in range(60):
             x = rng.uniform(0.02, REACH) * side if side else rng.uniform(-REACH, REACH)
@@ -367,7 +367,7 @@ class TabletopScene:
         return Moment(solids, balls, poses)
 
     def _posture(self, t: float) -> Posture:
-        """Return the one who sits at the far side of the table, facing the camera."""
+        """Return the person at the far side of the table, facing the camera."""
         hands = (self._script.hand(0, t), self._script.hand(1, t))
         ahead = float(hands[0][2] + hands[1][2]) / 2 - FAR
         sway = 0.02 * wobble(t, self._phases[:2], (2.6, 4.1))

@@ -29,7 +29,7 @@ def linear(color: str) -> Color:
 
 
 def noise(p: Field, scale: float, octaves: int = 2) -> Field:
-    """(N,) value noise in 0..1 whose largest bumps are ``scale`` metres wide."""
+    """Return value noise (N,) in 0..1 with bumps at most ``scale`` metres wide."""
     total = np.zeros(p.shape[1], np.float32)
     weight, amount = 0.0, 1.0
     for octave in range(octaves):
@@ -173,7 +173,7 @@ def face(p: Field, *, skin: Color, hair: Color, hairline: float) -> Field:
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """A texture and how it answers light and the sensor's infrared (0 returns no depth)."""
+    """A texture, and its response to light and the sensor's infrared (0 returns no depth)."""
 
     texture: Texture
     infrared: float = 0.55

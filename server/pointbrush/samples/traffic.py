@@ -1,6 +1,6 @@
 """Traffic with known boxes: parked, driving and turning vehicles, walkers and riders.
 
-Boxes are amodal: they hold all of an object, also what the lidar never sees of it.
+Boxes are amodal: they contain the whole object, including parts that the lidar never sees.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from pointbrush.samples.street import cyclist, pedestrian, vehicle
 AXLE = 0.28
 """Share of a vehicle's length from its middle back to the axle that does not steer."""
 CLEAR_M = 4.5
-"""Metres between the middles of what turns, walks or rides and all else, at least."""
+"""Least metres between the middle of a turning, walking or riding object and all other objects."""
 CLEAR_SECONDS = (0.0, 1.0, 2.0, 3.0)
-"""Seconds after the start at which they are so far apart."""
+"""Seconds after the start at which the objects keep this distance."""
 TRIES = 100
-"""Places that are tried for each of those who turn, walk or ride."""
+"""Places that are tried for each turning, walking or riding object."""
 BOX_AXES = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]])
 """``R_box_object``: axes x left, y up, z ahead → axes x ahead, y left, z up."""
 
@@ -61,7 +61,7 @@ class Way:
 
 
 class Traffic(DrivenStreet):
-    """A driven street with others who turn off, walk and ride: ``ways`` of all labels that move."""
+    """A driven street with turning, walking and riding objects: ``ways`` of all moving labels."""
 
     def __init__(self, seed: int) -> None:
         self.ways: dict[int, Way] = {}
@@ -113,7 +113,7 @@ class Traffic(DrivenStreet):
                     break
 
     def _put(self, kind: str, solids: list[Solid], way: Way) -> bool:
-        """Add an object where it keeps off all others; tell whether it does."""
+        """Add an object if it keeps its distance from all others; return whether it does."""
         for t in CLEAR_SECONDS:
             at = way.at(t)[:3, 3]
             others = [self.place(label, t)[:3, 3] for label in self.objects]
@@ -144,7 +144,7 @@ class TrueTraffic:
 def traffic(seed: int, frames: int, rate: float = 10.0) -> TrueTraffic:
     """Make ``frames`` turns of a lidar on a car among traffic, y up, the sensor at the origin.
 
-    Labels are those of the objects; ``T_room_frame`` is the sensor's pose.
+    Labels are of the objects; ``T_room_frame`` is the sensor's pose.
     """
     street, made = Traffic(seed), []
     told = np.zeros(street.count + 1, np.bool_)

@@ -1,4 +1,4 @@
-"""The walking scene: people who walk to and fro at different distances and hide each other."""
+"""The walking scene: people walk to and fro at different distances and occlude each other."""
 
 from __future__ import annotations
 
@@ -228,7 +228,7 @@ class WalkingScene(LivingRoom):
         ]
 
     def at(self, t: float) -> Moment:
-        """See Scene; people are not rigid, so there are poses of the boxes alone."""
+        """See Scene; people are not rigid, so that only boxes have poses."""
         solids, balls = [], []
         for p, walk in enumerate(self._walks):
             posture = walk.posture(t)
