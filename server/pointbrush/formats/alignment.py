@@ -1,4 +1,4 @@
-"""Compare how consecutive frames fit one another with the poses given for them, and without."""
+"""Comparison of consecutive frames with and without their given poses."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class AlignmentOptions:
-    """Numbers of the measure of how two frames fit."""
+    """Parameters of the comparison of two frames."""
 
     most_points: int = 20_000
     """Points of a frame that make its surface; more are thinned."""
     probes: int = 4_000
-    """Points of the next frame that are held against it."""
+    """Points of the next frame that are compared with this surface."""
     neighbours: int = 10
-    """Points that give a normal."""
+    """Points from which a normal is computed."""
     flat: float = 0.04
-    """Greatest share of the least eigenvalue where a neighbourhood is a surface."""
+    """Greatest share of the least eigenvalue of a neighbourhood that counts as a surface."""
     broad: float = 0.1
-    """Least share of the middle one: scan lines alone give no surface."""
+    """Least share of the middle eigenvalue: scan lines alone are no surface."""
     far: float = 1.0
-    """Metres beyond which a distance tells nothing more."""
+    """Metres at which distances are cut off."""
     least_motion: float = 0.05
-    """Metres that poses must move the points for the question to make sense."""
+    """Least motion of the points by the poses, metres, for a comparison."""
     worse: float = 1.25
-    """Ratio of the distance with poses to that without, from which poses are called worse."""
+    """Ratio of the distances with and without poses above which poses count as worse."""
 
     def __post_init__(self) -> None:
         if min(self.most_points, self.probes, self.neighbours) < 3 or self.worse < 1:
@@ -45,8 +45,8 @@ def agree_better_without(
 ) -> bool | None:
     """Return whether frames agree better without their poses than with them, one to the next.
 
-    The measure is the mean distance, cut off, from points to the tangent planes of the frame
-    before.  None where the poses hardly move the points, or there is too little to tell.
+    The measure is the mean distance, cut off, from points to the tangent planes of the previous
+    frame.  None if the poses hardly move the points, or if there are too few points.
     """
     options = options or AlignmentOptions()
     with_poses, without = [], []
@@ -75,7 +75,7 @@ def _thinned(xyz: NDArray[np.floating], most: int) -> Points:
 
 
 class _Surface:
-    """Points with tangent planes, where they lie on a surface."""
+    """Points, with tangent planes of points on a surface."""
 
     def __init__(self, xyz: Points, options: AlignmentOptions) -> None:
         from scipy.spatial import cKDTree
@@ -91,7 +91,7 @@ class _Surface:
         self._normals = vectors[:, :, 0]
 
     def distances(self, probes: Points) -> Points:
-        """Distance of each probe (n,) to its nearest point's plane, NaN where that has none."""
+        """Return the distance (n,) of each probe to its nearest point's plane, NaN without one."""
         far = self._options.far
         away, nearest = self._tree.query(probes, distance_upper_bound=far)
         found = np.isfinite(away)

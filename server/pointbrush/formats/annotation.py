@@ -1,4 +1,4 @@
-"""Files of labels made elsewhere: found at a place, and matched to frames."""
+"""Label files of other tools: search at a place, and matching to frames."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ LEVELS = 4
 _DATASETS: Mapping[str, Dataset] = MappingProxyType({
     "semantickitti": SEMANTIC_KITTI, "lidarseg": NUSCENES, "panoptic": NUSCENES, "las": LAS,
 })  # fmt: skip
-"""Datasets whose numbers the labels of a format are."""
+"""Dataset that defines the label numbers of a format."""
 _ENDINGS = {"semantickitti": (".label",), "las": (".las", ".laz")}
 _LIKE_LABELS = re.compile("label|segm|class|semantic")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelFiles:
-    """Label files in the order of frames: how each is read, and what their numbers are called.
+    """Label files in the order of frames: their format, and the names of their numbers.
 
-    ``own``: labels by id, where a palette of ours lies with the files; their numbers are its ids.
-    ``dataset`` is the one whose numbers they are, "" where it is not known.
+    ``own``: labels by id if the files have a palette of pointbrush; the numbers are then its ids.
+    ``dataset``: dataset that defines the numbers, "" if it is unknown.
     """
 
     format: str
@@ -46,11 +46,11 @@ class LabelFiles:
     own: Mapping[int, SourceLabel]
     dataset: str = ""
     export: OwnExport | None = None
-    """The export of ours that they are, which tells the frame of each."""
+    """The export of pointbrush that the files are of, which lists the frame of each."""
 
     @property
     def file_names(self) -> list[str]:
-        """Names by which the files are matched to frames, each with the name of its folder."""
+        """Return the names for matching files to frames, each with the name of its folder."""
         rooms = (path.parent if path.name == OBJECTS else path for path in self.paths)
         return [f"{path.parent.name}/{path.name}" for path in rooms]
 
@@ -113,7 +113,7 @@ def _files(folder: Path, limits: Limits) -> list[Path]:
 
 
 def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
-    """The format, and its files: those that are labels and nothing else come first."""
+    """Return the format and its files; formats that contain only labels are tried first."""
     if format is not None:
         return format, [path for path in files if _fits(path, format)]
     for name in (each for each in LABEL_FORMATS if each != "las"):
@@ -124,7 +124,7 @@ def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
 
 
 def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
-    """Whether a file is of a format; ``sure``: its name leaves no doubt."""
+    """Return whether a file is of a format; ``sure``: only if its name is unambiguous."""
     lower = path.name.lower()
     match format:
         case "semantickitti" | "las":
@@ -153,5 +153,5 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
 
 
 def _states_segmentation(stated: Path, path: Path) -> bool:
-    """Tell whether labelCloud's file of classes, or the folder's name, says labels a point."""
+    """Return whether labelCloud's file of classes, or the folder's name, states point labels."""
     return path.parent.name == "segmentation" or b"semantic_segmentation" in read_bytes(stated)

@@ -1,6 +1,6 @@
-"""Archives of frames, unpacked into a temporary folder within limits, with archives in them.
+"""Archives of frames, unpacked into a temporary folder within limits, nested ones included.
 
-Zip and tar archives, and bags that rosbag2 has packed by Zstandard.
+Zip and tar archives, and bags that rosbag2 has compressed with Zstandard.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from pointbrush.errors import BadInputError, TooLargeError, UnavailableError
 from pointbrush.formats.options import Limits
 
 PACKED = (".db3.zstd", ".mcap.zstd")
-"""Endings of files of a bag that are packed, each by itself."""
+"""Endings of separately compressed files of a bag."""
 ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".txz", *PACKED)
 # Small archives may pack well; above this size unpacked, the ratio counts.
 RATIO_FROM = 1 << 28
 MOST_NESTED = 3
 """Greatest depth of nested archives."""
 BLOCK = 1 << 20
-"""Bytes that are written at once."""
+"""Bytes of one write."""
 DAMAGED = (
     *(zipfile.BadZipFile, tarfile.TarError, zlib.error, lzma.LZMAError, zstandard.ZstdError),
     *(NotImplementedError, RuntimeError, UnicodeError, EOFError, OSError),
@@ -39,7 +39,7 @@ DAMAGED = (
 
 
 def is_archive(path: Path) -> bool:
-    """Whether a file's name is that of an archive, or a folder holds a packed bag."""
+    """Return whether a file's name is that of an archive, or a folder has a compressed bag."""
     return bool(_packed_bags(path)) if path.is_dir() else path.name.lower().endswith(ENDINGS)
 
 
@@ -48,11 +48,11 @@ def _packed_bags(folder: Path) -> list[Path]:
 
 
 def unpack(path: Path, limits: Limits) -> Path:
-    """Unpack into a folder of the archive's name in a new one, which the caller removes.
+    """Unpack into a folder of the archive's name in a new folder, which the caller removes.
 
-    Archives in it become folders of their names.  Links and devices are passed over.  Raises
-    BadInputError for a damaged or encrypted archive or a name that leads outside, TooLargeError
-    beyond the limits, UnavailableError when the disk is too small; nothing stays behind then.
+    Nested archives become folders of their names.  Links and devices are skipped.  Raises
+    BadInputError for a damaged or encrypted archive or a name outside the folder, TooLargeError
+    beyond the limits, UnavailableError when the disk is too small; after an error, no file stays.
     """
     temporary = Path(tempfile.mkdtemp(prefix="pointbrush-"))
     target = temporary / path.name
@@ -68,9 +68,9 @@ def unpack(path: Path, limits: Limits) -> Path:
 
 @contextmanager
 def unpacked(place: Path, limits: Limits) -> Iterator[Path]:
-    """Unpack an archive, or the only file of a folder that is one, while it is used.
+    """Unpack an archive, or a folder's only file if it is one, while the context is open.
 
-    Yields a folder, or ``place`` itself where it is neither.  Raises as ``unpack``.
+    Yields a folder, or ``place`` itself if it is neither.  Raises as ``unpack``.
     """
     inner = list(place.iterdir()) if place.is_dir() else [place]
     if len(inner) != 1 or not inner[0].is_file() or not is_archive(inner[0]):
@@ -110,7 +110,7 @@ class _Unpacking:
         except DAMAGED as error:
             if isinstance(error, OSError) and error.errno == 28:
                 raise UnavailableError(f"{self.name}: the disk is full, nothing was kept") from None
-            # The text of a system's error would name the temporary folder.
+            # The text of a system's error would contain the temporary folder.
             reason = error.strerror if isinstance(error, OSError) and error.strerror else error
             raise BadInputError(f"{where}, {reason}") from None
         for path in written:

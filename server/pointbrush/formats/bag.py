@@ -30,19 +30,19 @@ from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
 SENSOR = "#"
-"""Between a topic and the frame id of a sensor on it; no topic has it in its name."""
+"""Separator of a topic and the frame id of a sensor on it; topics cannot contain it."""
 NAMED = 8
-"""Topics that an error lists."""
+"""Most topics in the list of an error."""
 STAMPS, RECORDED = "the stamps of the messages", "the times of recording"
 MAX_CHUNK = 1 << 31
 BLOCK = 1 << 20
 """Bytes that are unpacked at once."""
 ZSTD = b"\x28\xb5\x2f\xfd"
-"""Beginning of a message that rosbag2 has packed; no serialized one begins so."""
+"""Beginning of a message that rosbag2 has compressed; no other message begins so."""
 
 
 def map_recording(path: Path, magic: bytes, kind: str) -> mmap:
-    """A file of this ``kind`` as memory; raises BadInputError when it does not begin so."""
+    """Map a file of this ``kind`` into memory; raise BadInputError if its magic is wrong."""
     with path.open("rb") as file:
         if path.stat().st_size == 0:
             raise BadInputError(f"{path.name}: expected {kind}, got an empty file (0 bytes)")
@@ -79,14 +79,14 @@ def unpack_chunk(name: str, packed: bytes, compression: str, size: int) -> bytes
 
 
 def unpack_message(name: str, message: bytes) -> bytes:
-    """A message as it was sent, where a recorder has packed it; raises as ``unpack_chunk``."""
+    """Return a message, decompressed if the recorder compressed it; raise as ``unpack_chunk``."""
     if not message.startswith(ZSTD):
         return message
     import zstandard
 
     try:
         size = zstandard.frame_content_size(message)
-        if size < 0:  # it is not stated
+        if size < 0:  # unknown size
             return _zstd(message, MAX_CHUNK)
     except (zstandard.ZstdError, ValueError) as error:
         raise BadInputError(f"{name}: expected a whole zstd message, {error}") from None
@@ -111,7 +111,7 @@ def _zstd(packed: bytes, size: int) -> bytes:
 
     try:
         reader = zstandard.ZstdDecompressor(max_window_size=1 << 27).stream_reader(packed)
-        # In blocks: as much memory as is read at once is taken at once.
+        # In blocks, because one read allocates the memory of its whole size.
         blocks = iter(partial(reader.read, BLOCK), b"")
         return b"".join(islice(blocks, size // BLOCK + 1))
     except zstandard.ZstdError as error:
@@ -134,7 +134,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class BagMessage:
-    """A message as it is stored; ``time`` is when it was recorded, in seconds."""
+    """A stored message; ``time``: time of its recording, seconds."""
 
     encoding: str
     time: float
@@ -143,7 +143,7 @@ class BagMessage:
 
 @dataclass(frozen=True, slots=True)
 class Bag:
-    """A kind of bag: ``topics`` lists a file's, ``messages`` gives those of a topic as stored."""
+    """A kind of bag: ``topics`` lists topics of a file, ``messages`` yields a topic's messages."""
 
     topics: Callable[[Path], list[Topic]]
     messages: Callable[[Path, str], Iterator[BagMessage]]
@@ -153,10 +153,10 @@ class Bag:
 class Clouds:
     """The point clouds of a bag that make a recording.
 
-    ``order`` numbers the messages of ``topic`` that are its frames, in the order of time, which
-    ``order_from`` says in words; ``stamps`` are theirs in that order and ``recorded`` the times of
-    their recording, seconds.  ``sensor`` is their frame id; ``sensors`` counts the messages of
-    each frame id on the topic.
+    ``order``: numbers of the messages of ``topic`` that are its frames, in the order of time;
+    ``order_from`` describes the source of the order.  ``stamps`` and ``recorded``: their stamps and
+    times of recording in that order, seconds.  ``sensor``: their frame id; ``sensors``: number of
+    messages of each frame id on the topic.
     """
 
     topic: str
@@ -172,8 +172,8 @@ class Clouds:
 def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
     """Choose the topic ``wanted`` ("topic" or "topic#frame_id"), else the one with most clouds.
 
-    Warnings name the other topics with clouds, and of several sensors on a topic those with fewer
-    messages.  Raises BadInputError naming topics and types when there is no such one.
+    Warnings list the other topics with clouds, and the other sensors on the topic, which have fewer
+    messages.  Raises BadInputError naming topics and types if there is no such topic.
     """
     topics = bag.topics(path)
     name, _, sensor = (wanted or "").partition(SENSOR)
@@ -209,7 +209,7 @@ def find_clouds(bag: Bag, path: Path, wanted: str | None) -> Clouds:
 
 
 def read_clouds(bag: Bag, found: Clouds, path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """Frames by their stamps; a message waits in memory until those before it have come."""
+    """Yield frames in the order of stamps; a message waits in memory for the earlier ones."""
     place = {number: at for at, number in enumerate(found.order.tolist())}
     waiting: dict[int, BagMessage] = {}
     following = 0
@@ -248,7 +248,7 @@ def _choose(name: str, topics: Sequence[Topic], wanted: str) -> str:
 
 
 def _warn_of_others(name: str, topics: Sequence[Topic], topic: str, wanted: str) -> None:
-    """Name the other topics with clouds, if no person chose one."""
+    """Warn of the other topics with clouds if the user chose none."""
     clouds = [each for each in topics if each.has_clouds and each.count and each.name != topic]
     others = [f"{each.name} ({each.count})" for each in clouds]
     if others and not wanted:
@@ -260,7 +260,7 @@ def _warn_of_others(name: str, topics: Sequence[Topic], topic: str, wanted: str)
 
 
 def _what(kind: str) -> str:
-    """A word on messages that users take for point clouds."""
+    """Return an explanation of messages that resemble point clouds."""
     if kind_of(kind) in (IMAGE, COMPRESSED):
         return ", pictures: turn depth images into points with depth_image_proc"
     if kind.endswith("CustomMsg"):

@@ -23,9 +23,9 @@ from pointbrush.frame import PointFrame
 
 
 def list_bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions) -> Listing:
-    """List bags one after the other, all of the topic that the first is read by.
+    """List bags one after the other, all with the topic of the first.
 
-    Their poses are those of a file that a person names, at the stamps of the messages.
+    Their poses are read from a file that the user names, at the stamps of the messages.
     """
     wanted, found = options.chosen.topic, []
     for path in files:

@@ -42,14 +42,14 @@ log = logging.getLogger(__name__)
 MOST_APART = 0.2
 """Seconds between a cloud and the picture that is taken for it."""
 SINGULAR = 1e-9
-"""Determinant of a projection that is none."""
+"""Determinant below which a projection counts as singular."""
 _RECTIFIED = re.compile(r"(?:^|[/_])rect(?:ified)?(?:[/_]|$)")
-"""Part of the name of a topic whose pictures are rectified, as image_proc has it."""
+"""Part of the name of a topic with rectified pictures, as in image_proc."""
 
 
 @dataclass(frozen=True, slots=True)
 class ImageTopic:
-    """A topic of pictures, and that of its camera's intrinsics, or ""."""
+    """A topic of pictures, and the topic of its camera's intrinsics, or ""."""
 
     images: Topic
     info: str
@@ -57,9 +57,9 @@ class ImageTopic:
 
 
 def bag_pictures(bag: Bag, found: Clouds, path: Path) -> PictureSource | None:
-    """The cameras of a bag whose pictures can be read; None where there are none.
+    """Return the cameras of a bag with readable pictures, or None without any.
 
-    Which picture is of which cloud is found when the pictures are read.
+    Pictures are matched to clouds when they are read.
     """
     topics = _image_topics(found.topics)
     places = mounts(bag, path, found.topics) if topics else None
@@ -81,7 +81,7 @@ def bag_pictures(bag: Bag, found: Clouds, path: Path) -> PictureSource | None:
 def _jobs(
     bag: Bag, found: Clouds, path: Path, cameras: Sequence[tuple[Camera, Topic]]
 ) -> Iterator[Callable[[], Picture]]:
-    """Readers of the pictures that were taken with a cloud."""
+    """Yield readers of the pictures that were taken with a cloud."""
     for camera, topic in cameras:
         name = f"{path.name} {topic.name}"
         try:
@@ -103,7 +103,7 @@ def _read(frame: int, camera: Camera, name: str, topic: Topic, message: BagMessa
 
 
 def _image_topics(topics: Sequence[Topic]) -> list[ImageTopic]:
-    """One topic of pictures for each camera: the compressed one where there are both."""
+    """Return one topic of pictures for each camera, the compressed one if there are both."""
     infos = {topic.name for topic in topics if kind_of(topic.type) == INFO}
     chosen: dict[str, ImageTopic] = {}
     images = [t for t in topics if kind_of(t.type) in (IMAGE, COMPRESSED) and t.count]
@@ -201,7 +201,7 @@ def _camera(bag: Bag, path: Path, topic: ImageTopic, place: Matrix | None) -> Ca
 
 
 def _projecting(name: str, P: Matrix, place: Matrix | None) -> Camera:
-    """The camera that sees points at P (3, 4), whose last column is how far it is moved."""
+    """Return the camera with projection P (3, 4); its last column is a translation."""
     if not np.isfinite(P).all() or abs(np.linalg.det(P[:, :3])) < SINGULAR:
         return Camera(name, None, place)
     if place is not None:

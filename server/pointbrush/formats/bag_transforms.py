@@ -1,7 +1,7 @@
 """Mounts of the sensors of a bag, by its transforms.
 
-``/tf_static`` holds what never moves.  Older publishers repeat it on ``/tf``, beside what does
-move: only transforms that are the same in all messages of a bag are mounts.
+``/tf_static`` holds fixed transforms.  Older publishers repeat them on ``/tf``, among moving ones:
+only transforms that are the same in all messages of a bag are mounts.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pointbrush.formats.ros_message import TRANSFORMS, cut_off, kind_of, reader_
 
 MAX_TRANSFORMS = 100_000
 SAME = 1e-6
-"""Greatest difference in a matrix of transforms that are the same, metres for its last column."""
+"""Greatest difference of matrices that count as equal, metres for the last column."""
 
 Parents = dict[str, tuple[str, Matrix]]
 
@@ -39,7 +39,7 @@ def mounts(bag: Bag, path: Path, topics: Sequence[Topic]) -> Callable[[str, str]
 
 
 def _constant(bag: Bag, path: Path, topic: Topic) -> Parents:
-    """Parent and ``T_parent_child`` of each child whose transform is the same throughout."""
+    """Return parent and ``T_parent_child`` of each child with a constant transform."""
     parents: Parents = {}
     moving: set[str] = set()
     for message in bag.messages(path, topic.name):

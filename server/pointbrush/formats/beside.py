@@ -1,4 +1,4 @@
-"""Poses and pictures that lie beside the frames of a folder."""
+"""Poses and pictures in files beside the frames of a folder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ log = logging.getLogger(__name__)
 
 
 def find_tables(entry: Format, folder: Path) -> Tables | None:
-    """nuScenes' tables beside sweeps; damaged ones are told in a warning."""
+    """Return nuScenes' tables beside sweeps; warn of damaged ones."""
     try:
         return read_tables(folder) if entry.name in ("nuscenes", "bin") else None
     except BadInputError as error:
@@ -37,7 +37,7 @@ def pictures_beside(
     options: ReadOptions,
     tables: Tables | None,
 ) -> PictureSource | None:
-    """Pictures of cameras beside the frames; those of a layout that do not fit are told of."""
+    """Return camera pictures beside the frames; warn of pictures that do not fit a layout."""
     names = [path.name for path in files]
     for place in (folder, folder.parent) if folder.name.lower() in INNER else (folder,):
         if (place / CAMERAS_FILE).is_file():
@@ -60,8 +60,10 @@ def poses_beside(
     options: ReadOptions,
     tables: Tables | None,
 ) -> Poses | None:
-    """Poses beside the frames, or those that a person names; those of a KITTI layout and named
-    ones must fit, others are told in a warning if not."""
+    """Return poses beside the frames, or from a file that the user names.
+
+    Poses of a KITTI layout and named ones must fit; a warning reports other ones that do not.
+    """
     if options.chosen.poses in ("none", VIEWPOINT):
         return None
     names = [path.name for path in files]

@@ -1,4 +1,4 @@
-"""Class names by number, from the files in which tools and data sets state them.
+"""Class names by number, from files of tools and data sets.
 
 YAML: ``labels`` and ``color_map`` (blue, green, red) of PRBonn/semantic-kitti-api, config/*.yaml.
 XML: ``label`` elements of jbehley/point_labeler, assets/labels.xml.
@@ -21,13 +21,13 @@ from pointbrush.names import spelled_out
 
 GREATEST_CLASS = 65535
 MOST_CLASSES = 4096
-"""Names in a column of labels: more are no classes."""
+"""Most names in a column of labels; a column with more has no classes."""
 MAP_BYTES = 4 << 20
 YAML_BYTES = 1 << 18
-"""Bytes of a YAML file, whose parser is slow."""
+"""Most bytes of a YAML file; the parser is slow."""
 LONGEST_NAME = 200
 NO_CLASS = ("unlabeled", "unlabelled", "unclassified", "undefined", "void", "none", "ignore")
-"""Names of points without a class, and of number 0 where it is none."""
+"""Names that mean no class, also as the name of number 0."""
 CLASS_FILES = {
     "lidarseg": "v1.0-*/category.json",
     "panoptic": "v1.0-*/category.json",
@@ -42,12 +42,12 @@ _RGB_STATED = re.compile(r"^color_map\s*:.*\brgb\b", re.MULTILINE | re.IGNORECAS
 
 @dataclass(slots=True)
 class ClassNumbers:
-    """Numbers of classes that files call by their names: the place in ``names``, from 1."""
+    """Numbers of classes that files give by name: the place in ``names``, from 1."""
 
     names: list[str] = field(default_factory=list)
 
     def number(self, where: str, name: str) -> int:
-        """The number of a class, 0 for an empty name and for those of no class.
+        """Return the number of a class, 0 for an empty name and for names of no class.
 
         Raises BadInputError naming ``where`` for a long text, or more texts than classes can be.
         """
@@ -72,7 +72,7 @@ def read_map(path: Path) -> dict[int, ClassName]:
 
 
 def stated_classes(path: Path, format: str) -> dict[int, ClassName]:
-    """Read the classes that are stated for a label file by one above it; {} where none is.
+    """Read the classes of a label file from the file of classes above it; {} without one.
 
     Raises BadInputError.
     """
@@ -81,7 +81,7 @@ def stated_classes(path: Path, format: str) -> dict[int, ClassName]:
 
 
 def class_file(path: Path, format: str) -> Path | None:
-    """Find the file above a label file that states its classes."""
+    """Find the file of classes above a label file."""
     pattern = CLASS_FILES.get(format)
     above = path.absolute().parents[:CLASS_LEVELS] if pattern else ()
     return next((file for place in above for file in sorted(place.glob(str(pattern)))), None)
@@ -111,7 +111,7 @@ def _of_json(name: str, text: str) -> dict[int, ClassName]:
         raise BadInputError(f"{name}: expected JSON of numbers and names: {error}") from None
     if isinstance(content, dict) and not isinstance(content.get("classes"), list):
         return dict(_entry(name, key, value) for key, value in content.items())
-    # 0 is what no one has labelled: labelCloud's default class, nuScenes' noise.
+    # 0 means unlabelled: labelCloud's default class, nuScenes' noise.
     rows, none = (
         (content["classes"], content.get("default")) if isinstance(content, dict) else (content, 0)
     )
@@ -157,7 +157,7 @@ def _of_yaml(name: str, text: str) -> dict[int, ClassName]:
 
 
 def _classes(entries: Iterable[tuple[int, ClassName]]) -> dict[int, ClassName]:
-    """Classes by number, without a number 0 whose name says that it is none."""
+    """Return classes by number, without number 0 if its name means no class."""
     found = dict(entries)
     if 0 in found and found[0].name.lower() in NO_CLASS:
         del found[0]

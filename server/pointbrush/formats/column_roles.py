@@ -1,7 +1,7 @@
-"""Roles of columns by their names, as programs call them.
+"""Roles of columns by their names in various programs.
 
 Names of PLY properties, PCD and LAS fields, CSV headers and structured NumPy arrays differ by
-program; one table here says which are understood.
+program; one table here lists the known ones.
 """
 
 from __future__ import annotations
@@ -62,9 +62,9 @@ LIKE_LABELS = re.compile(
 
 
 def roles(names: Iterable[str]) -> dict[str, str]:
-    """Role → the name in the file that plays it; the earliest synonym in ROLES wins.
+    """Return the name in the file for each role; the earliest synonym in ROLES wins.
 
-    Names without their units play what no name plays as it is.
+    Names without their units take the roles that no full name takes.
     """
     by_lower: dict[str, str] = {}
     for name in names:
@@ -82,7 +82,7 @@ def roles(names: Iterable[str]) -> dict[str, str]:
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that a column's name ends in, "" without one."""
+    """Return the unit at the end of a column's name, "" without one."""
     match = UNIT.search(name.strip().strip("\"'").lower())
     return match[0].strip(" /_[()]") if match else ""
 
@@ -115,11 +115,11 @@ def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -
 def with_meanings(
     name: str, columns: Mapping[str, Array], options: ReadOptions
 ) -> Mapping[str, Array]:
-    """Columns by what a person says they are; those that are to be left out are not among them."""
+    """Return the columns renamed to the meanings that the user gave, without left-out ones."""
     if not options.chosen.columns:
         return columns
     meaning = meanings(list(columns), options.chosen.columns, name)
-    # What a column is said to be, no other one is.
+    # A meaning that the user gave to one column replaces another column of that name.
     said = {new for old, new in meaning.items() if new != old}
     return {
         meaning[old]: values
@@ -129,7 +129,7 @@ def with_meanings(
 
 
 def role_columns(name: str, columns: Mapping[str, Array], options: ReadOptions) -> set[str]:
-    """Names in the file of the columns that play a role."""
+    """Return the names in the file of the columns with a role."""
     chosen = options.chosen.columns
     meaning = meanings(list(columns), chosen, name) if chosen else {each: each for each in columns}
     wanted = set(roles(meaning.values()).values())

@@ -1,4 +1,4 @@
-"""Named columns as files have them, turned into a PointFrame."""
+"""Conversion of a file's named columns to a PointFrame."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Array = NDArray[Any]
 log = logging.getLogger(__name__)
 
 LABELS = ("label", "instance")
-"""Roles and names of columns that exports have for the labels of the workspace."""
+"""Roles and names of columns for labels in exports."""
 CARLA = {"CosAngle", "ObjIdx", "ObjTag"}
 """Fields of CARLA's semantic lidar."""
 
@@ -37,8 +37,8 @@ def frame_from_columns(
 
     Coordinates are x, y and z, or ``xyz`` as an array (N, 3).
     ``missing``: NaN and infinite points are absent measurements of this format, and are left out
-    and counted.  Otherwise they raise, unless ``options.drop_invalid``.  Points at 0 0 0 are absent
-    measurements, too, unless they are several in a format where they are places: ``zeros``.
+    and counted.  Otherwise they raise, unless ``options.drop_invalid``.  Several points at 0 0 0
+    are absent measurements, too, unless the format uses them as positions: ``zeros``.
 
     Raises BadInputError when x, y or z is absent, points are not finite, or colours or labels
     are out of range; messages start with ``name``.
@@ -81,7 +81,7 @@ def frame_from_columns(
 
 
 def _coordinates(name: str, columns: Mapping[str, Array], found: Mapping[str, str]) -> Array:
-    """Coordinates (N, 3); raises BadInputError where there are none."""
+    """Return coordinates (N, 3); raise BadInputError if there are none."""
     whole = columns.get("xyz")
     if set(columns) >= CARLA:
         log.warning(
@@ -103,7 +103,7 @@ def _described(
     other: Mapping[str, Array],
     has_colors: bool,
 ) -> dict[str, str]:
-    """Return the role of each column, "kept", or "" where it is left out."""
+    """Return the role of each column, "kept", or "" for a column that is left out."""
     by_column = {column: role for role, column in found.items()}
     if not has_colors:
         by_column = {c: r for c, r in by_column.items() if r not in ("red", "green", "blue", "rgb")}
@@ -120,7 +120,7 @@ def _other(
     intensity: NDArray[np.float32] | None,
     rgb: NDArray[np.uint8] | None,
 ) -> dict[str, Array]:
-    """Return the fields of numbers that a PointFrame does not hold as they are.
+    """Return the numeric columns that have no field in a PointFrame.
 
     Labels and instances become labels of a workspace.  Their columns are kept as fields as well,
     unless they have the names that exports use for labels.
@@ -149,11 +149,11 @@ def _other(
 
 
 def _is_same(values: Array, held: Array) -> bool:
-    """Whether the values of a column follow from the intensities or colours that are held."""
+    """Return whether a column's values follow from the frame's intensities or colours."""
     if np.array_equal(values, held):
         return True
     if values.dtype.kind == "f":
-        # Of float64 the digits of float32 are held.
+        # The PointFrame holds float64 values with the digits of float32.
         given = held / 255 if held.dtype == np.uint8 else held
         return bool(np.allclose(values, given, rtol=1e-6, atol=0))
     return values.dtype == np.uint16 and np.array_equal(values, held.astype(np.uint16) * 257)
@@ -177,7 +177,7 @@ def finite_points(name: str, xyz: Array, *, missing: bool) -> NDArray[np.int64] 
 
 
 def without_zeros(xyz: Array, keep: NDArray[np.int64] | None) -> NDArray[np.int64] | None:
-    """Indices of the points that are not 0 0 0: several of those are beams without an echo."""
+    """Return indices of the points without 0 0 0 if it occurs twice or more: beams without echo."""
     zero = xyz[:, 0] == 0
     zero &= xyz[:, 1] == 0
     zero &= xyz[:, 2] == 0
@@ -190,10 +190,10 @@ def colors_of(name: str, values: Array, colors: ColorRange | None = None) -> NDA
     """(N, 3) colours of any number type as uint8.
 
     uint8 stays.  16-bit colours are scaled unless none exceeds 255 (many writers leave 8-bit
-    values in 16-bit fields).  Floats are 0..1 when none exceeds 1, else 0..255.  ``colors`` is
-    what holds for the whole recording.
-    Raises BadInputError for negative, NaN or larger values, UndecidedColorsError where ``colors``
-    does not tell.
+    values in 16-bit fields).  Floats are 0..1 when none exceeds 1, else 0..255.  ``colors``: the
+    range for the whole recording.
+    Raises BadInputError for negative, NaN or larger values, UndecidedColorsError if ``colors`` has
+    no range for the type.
     """
     if values.dtype == np.uint8:
         return np.asarray(values, np.uint8)

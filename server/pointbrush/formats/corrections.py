@@ -1,4 +1,4 @@
-"""A person's corrections of how a recording's files are read.
+"""Corrections of the reading of a recording's files, given by the user.
 
 The flags of the command line and the options of REST and of import jobs derive from them.
 """
@@ -27,7 +27,7 @@ LARGEST_SCALE = 1e6
 
 @dataclass(frozen=True, slots=True)
 class Corrections:
-    """A person's choices on how files are read; they win over the files' own facts.
+    """Choices of the user for reading files; they take precedence over the files' own data.
 
     Raises BadInputError for an invalid value.
     """
@@ -86,17 +86,17 @@ class Corrections:
 
     @property
     def separator(self) -> str | None:
-        """The character between values of a text, None for runs of spaces or not said."""
+        """The character between values of a text, None for runs of spaces or without a choice."""
         said = DELIMITERS.get(self.delimiter or "", self.delimiter)
         return None if said == " " else said
 
     @property
     def poses_file(self) -> Path | None:
-        """The file of poses that was named, if any."""
+        """The file of poses that the user named, or None."""
         return None if self.poses in POSES else Path(self.poses)
 
     def applied(self, frame: PointFrame) -> PointFrame:
-        """Return a frame in metres, and without its pose where poses are left out."""
+        """Return a frame in metres, and without its pose if poses are left out."""
         pose = None if self.poses == "none" else frame.pose
         if self.scale == 1.0:
             return frame if pose is frame.pose else replace(frame, pose=pose)
@@ -138,9 +138,9 @@ def parse_corrections(given: Mapping[str, Any]) -> Corrections:
 
 
 def meanings(names: Sequence[str], columns: Sequence[str], where: str) -> dict[str, str]:
-    """The meaning of each column, in order: name in the file → what it is read as.
+    """Return the meaning of each column by its name in the file, in order.
 
-    ``columns`` is ``Corrections.columns``.  Raises BadInputError where they do not fit ``names``.
+    ``columns`` is ``Corrections.columns``.  Raises BadInputError if they do not fit ``names``.
     """
     if columns and "=" in columns[0]:
         pairs = dict(part.split("=", 1) for part in columns)

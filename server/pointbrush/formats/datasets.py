@@ -12,13 +12,13 @@ from pointbrush.names import spelled_out
 
 @dataclass(frozen=True, slots=True)
 class ClassName:
-    """A class as a map or a template names it; ``color`` is ``#rrggbb`` or ""."""
+    """A class of a map or a template; ``color`` is ``#rrggbb`` or ""."""
 
     name: str
     color: str = ""
 
     def __post_init__(self) -> None:
-        """Write out characters that no name may hold."""
+        """Write out characters that names must not contain."""
         object.__setattr__(self, "name", spelled_out(self.name))
 
 
@@ -121,7 +121,7 @@ NUSCENES = _dataset(
 LAS = _dataset(
     "las",
     "ASPRS LAS classes",
-    # LAS 1.4 R15, table 17; 0 and 1 are points that nobody classified.
+    # LAS 1.4 R15, table 17; 0 and 1 are unclassified points.
     """
     2 Ground #a0522d
     3 Low Vegetation #9acd32
@@ -178,7 +178,7 @@ DATASETS: Mapping[str, Dataset] = MappingProxyType(
 
 
 def dataset_named(name: str) -> Dataset:
-    """The dataset called ``name``; raises NotFoundError listing what there is."""
+    """Return the dataset called ``name``; raise NotFoundError with the list of datasets."""
     if name not in DATASETS:
         raise NotFoundError(f"template: expected one of {', '.join(DATASETS)}, got {name[:40]!r}")
     return DATASETS[name]

@@ -1,4 +1,4 @@
-"""Intrinsics of depth cameras: from files beside the images, else those of known cameras."""
+"""Intrinsics of depth cameras, from files beside the images, or of known cameras."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CAMERA_FILES = (
     *("intrinsic_depth.txt", "intrinsic/intrinsic_depth.txt"),
 )
 COLOR_FILES = ("intrinsic_color.txt", "intrinsic/intrinsic_color.txt")
-"""Of the colour camera of ScanNet's scenes, as its SensReader writes them."""
+"""Files of the colour camera of ScanNet's scenes, written by its SensReader."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,16 +31,16 @@ class Intrinsics:
     cx: float
     cy: float
     scale: float | None = None
-    """Depth values per metre, where it is stated."""
+    """Depth values per metre, or None if the file does not state them."""
     source: str = ""
     """The file that states them, "" for a known camera."""
     assumed: str = ""
-    """The known camera whose intrinsics are assumed, "" if a file states them."""
+    """The known camera that the intrinsics are assumed from, "" if a file states them."""
 
 
 @dataclass(frozen=True, slots=True)
 class KnownCamera:
-    """A camera whose intrinsics its makers publish."""
+    """A camera with published intrinsics."""
 
     name: str
     width: int
@@ -57,13 +57,13 @@ KNOWN = (
     KnownCamera("TUM RGB-D", 640, 480, Intrinsics(517.3, 516.5, 318.6, 255.3), folder="freiburg1"),
     KnownCamera("TUM RGB-D", 640, 480, Intrinsics(520.9, 521.0, 325.1, 249.7), folder="freiburg2"),
     KnownCamera("TUM RGB-D", 640, 480, Intrinsics(535.4, 539.2, 320.1, 247.6), folder="freiburg3"),
-    # Of the depth camera, as the page of the 7-Scenes data set states them.
+    # Depth camera, from the page of the 7-Scenes data set.
     KnownCamera("7-Scenes", 640, 480, Intrinsics(585.0, 585.0, 320.0, 240.0), image=".depth.png"),
     # Factory values of the Kinect v2's depth camera, and the Kinect v1's (ROS default).
     KnownCamera("a Kinect v2", 512, 424, Intrinsics(365.456, 365.456, 254.878, 205.395)),
     KnownCamera("a Kinect v1", 640, 480, Intrinsics(525.0, 525.0, 319.5, 239.5)),
 )
-"""The first whose size and names are those of the images is theirs."""
+"""Known cameras; the first one with matching size and names is used."""
 
 
 def find_intrinsics(image: Path, width: int, height: int) -> Intrinsics:
@@ -95,7 +95,7 @@ def find_intrinsics(image: Path, width: int, height: int) -> Intrinsics:
 
 
 def find_color_intrinsics(image: Path) -> Intrinsics | None:
-    """Find the intrinsics of the colour camera beside a depth image; None where none are stated."""
+    """Find the intrinsics of the colour camera beside a depth image, or None without a file."""
     return next(_stated(image.parent, COLOR_FILES), None)
 
 

@@ -1,4 +1,4 @@
-"""A depth image, with a colour image of the same moment, as points.
+"""Points of a depth image, with a colour image of the same moment.
 
 Points are in the depth camera's axes: x right, y down, z forward.
 """
@@ -28,13 +28,13 @@ from pointbrush.frame import DepthCamera, PointFrame
 
 MAX_PIXELS = 64_000_000
 NO_DEPTH = (65535, 2**31 - 1)
-"""Values beside 0 that mark pixels without depth: the greatest of their type."""
+"""Values other than 0 that mark pixels without depth: the greatest of their type."""
 NO_DEPTH_FROM = 1e9
-"""The same of images of floats, where renderers put a number beyond all distances."""
+"""Floats from here on mark pixels without depth: renderers write a number beyond all distances."""
 PER_METRE = 1000.0
-"""Depth values per metre of images of whole numbers, where nothing states it."""
+"""Default of depth values per metre in images of whole numbers."""
 LEAST_PER_METRE = 10.0
-"""Least depth values per metre of images of whole numbers: fewer tell nothing of shapes."""
+"""Least depth values per metre in images of whole numbers; fewer do not resolve shapes."""
 LEAST_METRES = 0.01
 """Least plausible median of a frame's depths."""
 MOST_METRES = 1000.0
@@ -49,8 +49,8 @@ SAME_SHAPE = 0.01
 class Cameras:
     """The cameras of a recording: the size of its depth images, and the intrinsics of both.
 
-    ``scale`` is the depth values per metre of the layout, where the camera's file does not state
-    it; ``color`` None where colour is of the depth camera's own view.
+    ``scale``: depth values per metre of the layout, used if the camera's file does not state them;
+    ``color``: None if colours are from the depth camera's own view.
     """
 
     size: tuple[int, int]
@@ -60,7 +60,7 @@ class Cameras:
 
 
 def cameras_of(image: Path, scale: float | None = None) -> Cameras:
-    """Find the cameras of a depth image and those beside it; raises BadInputError."""
+    """Find the cameras of a depth image and of the images beside it; raise BadInputError."""
     with opened(image.name, image, "a depth image") as found:
         size = found.size
     return Cameras(size, find_intrinsics(image, *size), find_color_intrinsics(image), scale)
@@ -140,7 +140,7 @@ def _depth_image(path: Path) -> NDArray[Any]:
 
 
 def _metres(name: str, depth: NDArray[Any], cameras: Cameras) -> NDArray[np.float32]:
-    """Depths (n,) in metres: values over their number per metre, floats as they are."""
+    """Return depths (n,) in metres: values divided by their number per metre, floats unchanged."""
     real = depth.dtype.kind == "f"
     scale = cameras.depth.scale or cameras.scale or (1.0 if real else PER_METRE)
     z = depth.astype(np.float32) / np.float32(scale)

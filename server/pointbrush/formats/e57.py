@@ -28,7 +28,7 @@ from pointbrush.frame import PointFrame
 
 PAGE = 1024
 PAYLOAD = 1020
-"""Bytes of a page, and of what it holds before its checksum."""
+"""Bytes of a page, and of its data before the checksum."""
 HEADER = struct.Struct("<8sIIQQQQ")
 # Bits are unpacked to bytes: this many values at a time bound the memory.
 BLOCK = 1 << 18
@@ -36,7 +36,7 @@ DATA_PACKET = 1
 Array = NDArray[Any]
 Columns = dict[str, Array]
 COLORS = ("red", "green", "blue")
-# What a scan without colour gets beside scans with colour.
+# Colour of a scan without colours among scans with colours.
 GREY = 128
 
 
@@ -55,7 +55,7 @@ class E57File:
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A field of a prototype: how its numbers are packed and what they mean."""
+    """A field of a prototype: packing and meaning of its numbers."""
 
     name: str
     kind: str
@@ -107,7 +107,7 @@ def _parse_xml(name: str, xml: bytes) -> ElementTree.Element:
     except ValueError as error:
         raise BadInputError(f"{name}: expected XML, {error}") from None
     for element in root.iter():
-        # Names of E57 itself; those of extensions keep their namespace and are not asked for.
+        # Names of E57 itself; names of extensions keep their namespace and are ignored.
         element.tag = str(element.tag).removeprefix(
             "{http://www.astm.org/COMMIT/E57/2010-e57-v1.0}"
         )
@@ -289,7 +289,7 @@ def _columns(file: E57File, scan: Element, count: int) -> Columns:
 
 
 def _is_held(field: Field) -> bool:
-    """Whether a PointFrame holds the values of a field: places, intensity, colours of 8 bits."""
+    """Return whether a PointFrame has the field: positions, intensity, 8-bit colours."""
     if field.name.startswith("color"):
         return (field.low, field.high) == (0, 255) or "Invalid" in field.name
     return field.name == "intensity" or field.name.startswith(("cartesian", "spherical"))
@@ -335,7 +335,7 @@ def _pose(file: E57File, scan: Element) -> NDArray[np.float64]:
 def _colors(
     file: E57File, scan: Element, values: Columns, limits: dict[str, tuple[float, float]]
 ) -> Columns:
-    """Colours as uint8, by the limits that the scan states, else by the fields' ranges."""
+    """Return colours as uint8, scaled by the scan's limits, or else by the fields' ranges."""
     colors: Columns = {}
     for color in COLORS:
         name = f"color{color.capitalize()}"
@@ -354,7 +354,7 @@ def _colors(
 
 
 def _joined(parts: list[Columns]) -> Columns:
-    """Scans end to end; what only some of them have is filled in for the others."""
+    """Concatenate scans; fill in fields that only some of them have for the others."""
     names = list(dict.fromkeys(name for part in parts for name in part)) or list("xyz")
     joined: Columns = {}
     for name in names:

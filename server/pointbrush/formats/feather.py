@@ -1,4 +1,4 @@
-"""Feather tables of points, as Argoverse 2 has them: x, y, z, intensity, laser_number…"""
+"""Feather tables of points, as in Argoverse 2: x, y, z, intensity, laser_number…"""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read_feather(path: Path, options: ReadOptions) -> Any:
 
 
 def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[str, NDArray[Any]]:
-    """Read the columns of numbers, and those of ``words`` whatever they hold.
+    """Read the columns of numbers, and the columns ``words`` of any type.
 
     Raises NotFoundError, BadInputError, TooLargeError.
     """
@@ -42,12 +42,12 @@ def read_table(path: Path, limits: Limits, words: Sequence[str] = ()) -> dict[st
         raise NotFoundError(f"{path}: expected a file, it does not exist")
     try:
         with pa.memory_map(str(path)) as source:
-            # The header tells how many rows there are before any is unpacked.
+            # The header states the number of rows before any is unpacked.
             reader = pa.ipc.open_file(source)
             rows = sum(reader.get_batch(i).num_rows for i in range(reader.num_record_batches))
         require_count(path.name, rows, limits)
         table = feather.read_table(path, memory_map=False)
-        # Names and words are decoded here, and may be no text.
+        # Names and words are decoded here, and may be invalid text.
         return {
             name: column.to_numpy()
             for name, column in zip(table.column_names, table.columns, strict=True)

@@ -1,4 +1,4 @@
-"""Files of a folder that are the frames of a recording, their order and times."""
+"""Frames of a recording among the files of a folder, their order and times."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)
 
-# Text and binary files that lie beside frames without being frames.
+# Text and binary files beside frames that are not frames.
 SIDECARS = {
     *TIME_FILES,
     *("poses.txt", "calib.txt", "calibration.txt", "rgb.txt", "depth.txt", "groundtruth.txt"),
@@ -49,14 +49,14 @@ SIDECARS = {
 
 
 NO_SENSOR = re.compile("^(raw|npz)$|label|annot|segm|mask|predict|result|truth")
-"""Names of folders of one recording in two formats, or of something else for each point."""
+"""Names of folders with a second format of the recording, or with other data per point."""
 ARGOVERSE_SCANS = "sensors/lidar"
-"""Folder of the scans in a log of Argoverse 2, which has tables of other things beside."""
+"""Folder of the scans in a log of Argoverse 2, among other tables."""
 
 
 def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listing:
-    """The recording in a folder: its point files or images, or those of the one subfolder
-    that has them.  Files with weak endings (notes.txt) count only where nothing else does.
+    """List the recording in a folder, from its point files or images, or from its only subfolder
+    with such files.  Files with weak endings (notes.txt) are used only without other files.
 
     Raises BadInputError for none, for several formats, or for several recordings.
     """
@@ -79,7 +79,7 @@ def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listi
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    """Files of a folder and of those in it."""
+    """Return the files of a folder and of its subfolders."""
     return (path for pattern in ("*", "*/*") for path in sorted(folder.glob(pattern)))
 
 
@@ -94,7 +94,7 @@ def _directly(
 
 
 def frames_among(files: Sequence[Path], options: ReadOptions) -> list[Path]:
-    """Files without those that tell of the frames: times, poses, calibration."""
+    """Return the files without files about the frames: times, poses, calibration."""
     poses = options.chosen.poses_file
     named = None if poses is None else poses.absolute()
     return [
@@ -128,7 +128,7 @@ def _point_files(
         if wanted.name == "rgbd":
             return []
         endings = wanted.extensions or (".bin",)
-        # XYZRGB records come as .bin as often as under their own ending.
+        # XYZRGB records often have the ending .bin instead of their own.
         endings += (".bin",) if wanted.name == "xyzrgb" else ()
         return [path for path in candidates if path.name.lower().endswith(endings)]
     found = [(path, entry) for path in candidates if (entry := format_by_name(path)) is not None]
@@ -168,7 +168,7 @@ def _warn_of_others(
 
 
 def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: bool) -> Path | None:
-    """The subfolder to read in place of a folder without points of its own."""
+    """Return the subfolder to read instead of a folder without points."""
     inner = folders_in(folder)
     by_name = {path.name.lower(): path for path in inner}
     if "raw" in by_name and _reads_raw(by_name["raw"], format, options, weakly, "npz" in by_name):
@@ -189,7 +189,7 @@ def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: b
 def _reads_raw(
     raw: Path, format: str | None, options: ReadOptions, weakly: bool, has_npz: bool
 ) -> bool:
-    """Whether ``raw`` is of a format with a layout of its own; .npz there may hold anything."""
+    """Return whether ``raw`` is of a format with a known layout; its .npz may hold anything."""
     chosen = _point_files(raw, _files(raw, options), format, weakly, options)
     if not chosen:
         return not has_npz and _has_points(raw, format, options, weakly)
@@ -219,7 +219,7 @@ def _has_points(
 def list_files(
     files: Sequence[Path], format: str | None, folder: Path, options: ReadOptions
 ) -> Listing:
-    """Files as the frames of a recording, in the given order or that of a timestamp file.
+    """List files as the frames of a recording, in the given order or by a timestamp file.
 
     Raises BadInputError for several formats, or a timestamp file that does not fit.
     """
@@ -228,7 +228,7 @@ def list_files(
         files[0].name,
         *SIDECARS,
     }
-    # A moment without echoes, where other moments have some.
+    # A frame without echoes among frames with some.
     empty = [len(files) > 1 and entry.headless and not path.stat().st_size for path in files]
     if all(empty):
         empty = [False] * len(files)
@@ -265,13 +265,13 @@ def list_files(
         assumed_fps=assumed_rate(entry.name, folder),
         poses_from=poses.source if poses else "",
         pictures=pictures,
-        # A .label file is SemanticKITTI's, in whatever folder it lies.
+        # A .label file has SemanticKITTI's classes in any folder.
         dataset=SEMANTIC_KITTI.name if entry.headless and any(map(find_label, files)) else "",
     )
 
 
 def _format_of(files: Sequence[Path], format: str | None) -> Format:
-    """The format that is named, else the one of all files; raises BadInputError for several."""
+    """Return the named format, or the format of all files; raise BadInputError for several."""
     entries = [format_named(format) if format else format_of(path) for path in files]
     names = sorted({entry.name for entry in entries})
     if len(names) > 1:
@@ -280,6 +280,6 @@ def _format_of(files: Sequence[Path], format: str | None) -> Format:
 
 
 def _empty(path: Path, options: ReadOptions) -> Iterator[PointFrame]:  # noqa: ARG001 – a reader
-    """A frame of no points."""
+    """Yield a frame without points."""
     known = options.known
     yield PointFrame(np.empty((0, 3), np.float32), pose=known.pose, timestamp=known.timestamp)

@@ -1,4 +1,4 @@
-"""Depth images of a folder, and the colour pictures of the same moments, by names and looks."""
+"""Depth images of a folder and their colour pictures, found by names and image types."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ DEPTH_FOLDERS = ("depth", "depth_raw", "depths")
 COLOR_FOLDERS = ("rgb", "color", "colour", "colors", "registered", "image", "images")
 COLOR_MODES = ("RGB", "RGBA")
 MOST_STREAMS = 64
-"""Streams in a folder beyond which its names differ in more than numbers."""
+"""Most streams in a folder; with more, its names differ in more than numbers."""
 _KINDS = re.compile(r"depth|rgb|colou?rs?|registered|images?|img|pose|raw")
 """Words of a file name that describe the content of its image, not its moment."""
 _OTHERS = re.compile(
     r"(?<![a-z])(labels?|seg|segm[a-z]*|masks?|inst[a-z]*|sem[a-z]*|class|classes|normals?|thermal"
     r"|infra[a-z]*|ir)(?![a-z])"
 )
-"""Words in names of images that are neither of depth nor of colour."""
+"""Words in names of images that show neither depth nor colour."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +90,9 @@ class Stream:
 def find_pairs(folder: Path, options: ReadOptions) -> FoundPairs | None:
     """Find depth images in a folder or in one of its folders, and the colour picture of each.
 
-    Depth images are those of a folder or files named ``depth``, else the one stream of images that
-    look so.  Colours are those named so, else the stream of colour pictures that pairs with most
-    depth images.  None where there are no depth images.  Raises BadInputError as ``partners``.
+    Depth images are in a folder or in files named ``depth``, or else the only stream of images of
+    depth type.  Colour images are named so, or else the stream of colour pictures that pairs with
+    most depth images.  None if there are no depth images.  Raises BadInputError as ``partners``.
     """
     (own, beside), by_order = streams_in(folder), options.chosen.by_order
     depths = find_depths(folder, own, beside)
@@ -124,7 +124,7 @@ def streams_in(folder: Path) -> tuple[list[Stream], list[Stream]]:
 
 
 def find_depths(folder: Path, own: Sequence[Stream], beside: Sequence[Stream]) -> list[Path]:
-    """Return the depth images, in natural order; none where it is not clear which they are."""
+    """Return the depth images, in natural order, or none if they are ambiguous."""
     inner = {each.folder.name.lower(): each.folder for each in beside}
     named = next((inner[name] for name in DEPTH_FOLDERS if name in inner), None)
     if named is not None:
@@ -174,7 +174,7 @@ def _look(path: Path) -> tuple[str, tuple[int, int]]:
 
 
 def _sisters(folder: Path, options: ReadOptions) -> list[Stream]:
-    """Return the streams of the folders beside a folder of depth that are named like it."""
+    """Return the streams of the folders beside a folder of depth with similar names."""
     roots, name = options.limits.roots, _moment(folder.name)
     places = [
         place
@@ -186,7 +186,7 @@ def _sisters(folder: Path, options: ReadOptions) -> list[Stream]:
 
 
 def _declared(folder: Path, place: Path, streams: Sequence[Stream]) -> list[Path]:
-    """Return the images that are colours by their name, or by that of their folder."""
+    """Return the images with a name, or a folder's name, of colour images."""
     folders = {each.folder.name.lower(): each.folder for each in streams if each.folder != place}
     named = next((folders[name] for name in COLOR_FOLDERS if name in folders), None)
     if place != folder and named is not None:
@@ -198,14 +198,14 @@ def _declared(folder: Path, place: Path, streams: Sequence[Stream]) -> list[Path
 def _best(depths: Sequence[Path], streams: Sequence[Stream], by_order: bool) -> tuple[Path, ...]:
     """Find the stream of colour pictures that pairs with most depth images.
 
-    A warning says why another does not.
+    A warning explains why another stream does not.
     """
     best: tuple[Path, ...] = ()
     most = 0
     _, size = _look(depths[0])
     for each in streams:
         if len(depths) > 1 and not re.search(r"\d", each.files[0].stem):
-            continue  # a thumbnail is of no moment
+            continue  # a thumbnail belongs to no frame
         if not is_same_shape(each.size, size) and find_color_intrinsics(depths[0]) is None:
             log.warning(
                 "%s: the pictures of %dx%d have not the shape of the depth images, %dx%d, and the "

@@ -1,4 +1,4 @@
-"""Paths under given folders, links followed: whether one stays there, and those a caller names."""
+"""Paths under given folders, with links followed: checks, and expansion of a caller's paths."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pointbrush.names import stored_as
 
 
 def is_inside(path: Path, roots: Sequence[Path]) -> bool:
-    """Whether ``path`` lies under one of ``roots`` (resolved), also where its links lead to, and
-    nothing on the way is hidden.
+    """Return whether ``path``, with its links followed, is under one of ``roots`` (resolved), and
+    no part of it is hidden.
 
-    It need not be there: a link on the way that leads out does so also where nothing is behind it.
+    It need not exist: a link to the outside counts also if its target does not exist.
     """
     real = Path(os.path.realpath(path))
     named = [path.relative_to(root) for root in roots if path.is_relative_to(root)]
@@ -27,23 +27,23 @@ def is_inside(path: Path, roots: Sequence[Path]) -> bool:
 
 
 def file_in(folder: Path, name: str) -> Path | None:
-    """Return the file in ``folder`` that another file names; None where there is none in it."""
+    """Return the file in ``folder`` that another file names, or None if it is not there."""
     try:
         path = stored_as(folder / name)
         return path if path.is_file() and path.resolve().is_relative_to(folder.resolve()) else None
-    except (OSError, ValueError):  # too long, or with characters that no name has
+    except (OSError, ValueError):  # too long, or with invalid characters
         return None
 
 
 def require_inside(paths: Sequence[Path], roots: Sequence[Path]) -> None:
-    """Raise ForbiddenError unless ``paths``, and all that links below them lead to, are inside."""
+    """Raise ForbiddenError unless ``paths`` and the targets of all links below them are inside."""
     for path in paths:
         if not all(is_inside(found, roots) for found in (path, *_links(path))):
             raise outside()
 
 
 def outside() -> ForbiddenError:
-    """The one answer to whatever is not inside: it tells nothing of what is there."""
+    """Return the error for any path outside; it does not reveal whether the path exists."""
     return ForbiddenError(
         "path: expected a file or folder under the folders that may be imported from "
         "(see the option import_roots)"
@@ -55,14 +55,14 @@ def _is_hidden(path: Path) -> bool:
 
 
 def _links(path: Path) -> Iterator[Path]:
-    """Every link below a folder, also in folders that links lead to."""
+    """Yield every link below a folder, also in the targets of links."""
     seen = set()
     waiting = [str(path)]
     while waiting:
         for folder, folders, files in os.walk(waiting.pop()):
             for inner in (Path(folder, name) for name in (*folders, *files)):
                 if not inner.is_symlink() or inner.name.startswith("."):
-                    continue  # hidden ones are never read
+                    continue  # hidden files are never read
                 yield inner
                 real = os.path.realpath(inner)
                 if real not in seen:
@@ -73,8 +73,8 @@ def _links(path: Path) -> Iterator[Path]:
 def allowed(given: str, roots: Sequence[Path]) -> list[Path]:
     """Return the paths that ``given`` (a path or a glob) names under the resolved ``roots``.
 
-    Raises ForbiddenError for a path that lies or leads outside, or is hidden: always with the same
-    text, so that it tells nothing of what is there; NotFoundError for one that is missing inside.
+    Raises ForbiddenError for a path that is or leads outside, or is hidden, always with the same
+    text, so that it does not reveal existing files; NotFoundError for a missing path inside.
     """
     path = Path(os.path.normpath(Path.cwd() / given))
     if not is_inside(path, roots):
@@ -83,7 +83,7 @@ def allowed(given: str, roots: Sequence[Path]) -> list[Path]:
         return [Path(os.path.realpath(path))]
     found: list[Path] = []
     for pattern in _beginnings(path) if glob.has_magic(given) else ():
-        # Each part by itself: what lies behind a link that leads out is not looked at.
+        # Part by part, so that the target of a link to the outside is never read.
         found = [Path(match) for match in glob.glob(pattern, recursive=True)]  # noqa: PTH207
         if not all(is_inside(match, roots) for match in found):
             raise outside()
@@ -101,5 +101,5 @@ def _beginnings(path: Path) -> Iterator[str]:
 
 
 def missing() -> NotFoundError:
-    """The answer to a path that may be read and is not there."""
+    """Return the error for an allowed path that does not exist."""
     return NotFoundError("path: expected a file or folder, there is none of this name")

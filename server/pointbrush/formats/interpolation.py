@@ -1,4 +1,4 @@
-"""Poses at the times of frames, between the poses of a list with times of its own."""
+"""Interpolation of poses at the times of frames from a list of poses with other times."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from pointbrush.errors import BadInputError
 log = logging.getLogger(__name__)
 Pose = NDArray[np.float64]
 NEAR = 0.02
-"""Seconds between files of one moment, as the TUM benchmark's tools pair them."""
+"""Greatest seconds between files of one frame, as in the tools of the TUM benchmark."""
 SAME = 1e-6
-"""Seconds between two times that are one, written with other digits."""
+"""Greatest seconds between two times that count as equal, for times with rounded digits."""
 MOST_GAP = 2.0
-"""Seconds between two poses for a pose between them."""
+"""Greatest seconds between two poses for an interpolated one."""
 
 
 def interpolated(
@@ -26,8 +26,8 @@ def interpolated(
     """Interpolate poses (4, 4) of ``stamps`` at ``times``, all in seconds: positions linearly,
     rotations on the shortest arc (slerp).
 
-    None, with a warning, for a time that is not within NEAR of a pose nor between two that are at
-    most MOST_GAP apart.  Raises BadInputError naming ``name`` when that is so of all times.
+    None, with a warning, for a time that is neither within NEAR of a pose nor between two poses at
+    most MOST_GAP apart.  Raises BadInputError naming ``name`` if this applies to all times.
     """
     from scipy.spatial.transform import Rotation, Slerp
 

@@ -1,7 +1,7 @@
 """Float records of KITTI (``.bin``, SemanticKITTI ``.label``), nuScenes, radar and XYZRGB.
 
-A KITTI record is x y z reflectance as float32, for some writers x y z alone; an XYZRGB one is
-x y z r g b, colours 0..1 or 0..255: a file where none exceeds 1 is taken as 0..1.
+A KITTI record is x y z reflectance as float32, or of some writers only x y z; an XYZRGB record is
+x y z r g b, colours 0..1 or 0..255: a file without colours above 1 is read as 0..1.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ MOST_INTENSITY = 65535
 MOST_RINGS = 512
 """Greatest plausible value of a wider record's fifth float."""
 MUCH_LESS = 0.8
-"""Variance within columns of the right width, as a share of that of another width, at most."""
+"""Greatest ratio of the variance within columns of the right width to that of another width."""
 KITTI_FIELDS = ("x", "y", "z", "intensity")
 XYZRGB_FIELDS = ("x", "y", "z", "red", "green", "blue")
 
@@ -59,8 +59,8 @@ def _labelled_frame(path: Path, fields: tuple[str, ...], options: ReadOptions) -
 
 
 def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """Read a ``.bin`` file of a kind not named: records of the columns that a person names in
-    order, else KITTI, XYZRGB, x y z or wider records where the values say so.
+    """Read a ``.bin`` file of unknown kind: records of the columns that the user names in order,
+    else KITTI, XYZRGB, x y z or wider records, chosen by the values.
 
     Raises BadInputError when none or several are plausible.
     """
@@ -83,7 +83,7 @@ def read_bin(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
     ):
         yield from read_kitti(path, options)
         return
-    # Colours first: coordinates do not stay within 0..1 or whole numbers by chance.
+    # Colours first: other values are hardly ever all within 0..1, or whole, by chance.
     if colored:
         yield from read_xyzrgb(path, options)
     elif len(data) % RECORD == 0 and _is_kitti(data):
@@ -132,7 +132,7 @@ def _table_columns(
 
 
 def _lies_as_kitti(path: Path) -> bool:
-    """Whether folders or a ``.label`` say what the file is."""
+    """Return whether the folders or a ``.label`` file identify a KITTI scan."""
     folders = {folder.name for folder in path.absolute().parents[:2]}
     return bool(folders & {"velodyne", "velodyne_points"}) or find_label(path) is not None
 
@@ -147,10 +147,10 @@ def _is_kitti(data: bytes) -> bool:
 
 
 def _is_wide(data: bytes, width: int) -> bool:
-    """Whether records have coordinates, an intensity, and a ring: a whole number in column 5.
+    """Return whether records have coordinates, an intensity, and a ring: an integer in column 5.
 
-    Records of another width put coordinates there, which are not whole; and those of 4 floats
-    never pass as wider, since then every column holds coordinates.
+    In records of another width, column 5 has coordinates, which are not whole; records of 4 floats
+    never pass as wider ones, because then every column has coordinates.
     """
     if len(data) % RECORD == 0 and _is_kitti(data):
         return False
@@ -165,7 +165,7 @@ def _is_wide(data: bytes, width: int) -> bool:
 
 
 def _fits_wider(data: bytes) -> bool:
-    """Whether values vary much less within columns of 5 to 7 floats a record than of four."""
+    """Return whether columns vary much less with 5 to 7 floats a record than with four."""
 
     def spread(width: int) -> float:
         return float(np.arcsinh(np.nan_to_num(sample(data, width))).var(axis=0).mean())
@@ -194,7 +194,7 @@ def find_label(path: Path) -> Path | None:
 def read_label(path: Path, options: ReadOptions) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
     """Read class (lower 16 bits) and instance (upper 16 bits) of each point.
 
-    Classes of an export of ours are ids of its palette.  Raises BadInputError unless the file
+    Classes of an export of pointbrush are ids of its palette.  Raises BadInputError unless the file
     holds uint32.
     """
     data = read_bytes(path)

@@ -56,9 +56,9 @@ def camera_from_velodyne(matrices: Mapping[str, Floats]) -> Floats | None:
 
 
 def kitti_pictures(files: Sequence[Path], folder: Path, limits: Limits) -> PictureSource | None:
-    """The pictures beside KITTI's scans in ``folder``; None where there are none.
+    """Return the pictures beside KITTI's scans in ``folder``, or None without any.
 
-    Knows the layouts of odometry (``calib.txt``, ``image_2``), object (``calib/000000.txt``),
+    Supports the layouts of odometry (``calib.txt``, ``image_2``), object (``calib/000000.txt``),
     tracking (``calib/0000.txt``, ``image_02/0000``) and raw recordings (``image_02/data``).
     """
     raw = folder.parent.name == "velodyne_points"
@@ -96,7 +96,7 @@ def kitti_pictures(files: Sequence[Path], folder: Path, limits: Limits) -> Pictu
 def _calibrations(
     files: Sequence[Path], top: Path, inner: str, *, raw: bool
 ) -> list[Mapping[str, Floats]]:
-    """The matrices that hold for each scan; {} where there is no file of them."""
+    """Return the matrices of each scan, {} without a calibration file."""
     if raw:
         path = top.parent / "calib_cam_to_cam.txt"
         matrices = read_calibration(path) if path.is_file() else {}
@@ -113,7 +113,7 @@ def _calibrations(
 
 
 def _camera(name: str, matrices: Mapping[str, Floats]) -> Camera:
-    """The camera ``image_N`` by its projection P_N, whose last column is its place."""
+    """Return the camera ``image_N`` from its projection P_N; the last column gives its place."""
     number = int(name.removeprefix("image_"))
     P = next(
         (matrices[key] for key in (f"P{number}", f"P_rect_{number:02d}") if key in matrices), None

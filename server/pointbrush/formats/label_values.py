@@ -1,4 +1,4 @@
-"""Values of columns of labels and instances as numbers of 16 bits."""
+"""Conversion of columns of labels and instances to numbers of 16 bits."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NO_LABEL = (-1, -100, 65535, 4294967295)
 """Numbers that mark "none" in labels and instances."""
 GREATEST_INSTANCE = 65535
 TOLD = 8
-"""Numbers that a warning lists."""
+"""Most numbers in the list of a warning."""
 
 
 def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.uint16]:
@@ -26,7 +26,7 @@ def number_of(name: str, what: str, values: Array, greatest: int) -> NDArray[np.
     Raises BadInputError for fractions and for numbers outside 0..greatest.
     """
     if values.dtype.kind == "f":
-        # Of half precision, whose numbers end before 65535.
+        # Half precision has no numbers up to 65535.
         values = values.astype(np.promote_types(values.dtype, np.float32), copy=False)
         values = np.where(np.isnan(values), 0, values)
         fractions = np.flatnonzero((values != np.rint(values)) | np.isinf(values))
@@ -51,10 +51,10 @@ def without_marks(values: Array) -> Array:
 
 
 def instances_of(name: str, values: Array) -> NDArray[np.uint16] | None:
-    """Return instance numbers as uint16, None where no point has one.
+    """Return instance numbers as uint16, or None if no point has one.
 
-    Numbers that 16 bits do not hold (a no-data value, the id of a database) become 0, with a
-    warning that lists them.
+    Numbers beyond 16 bits (a no-data value, the id of a database) become 0, with a warning that
+    lists them.
     """
     if values.dtype.kind in "fiu":
         values = without_marks(np.where(np.isnan(values), 0, values))

@@ -60,7 +60,7 @@ def read_chunks(
 ) -> Iterator[PointFrame]:
     """The points of a file in order, as frames of ``points_per_chunk`` (the last is smaller).
 
-    Memory is that of one chunk.  Raises as ``read_las``; ``read_header`` tells count and bounds.
+    Takes the memory of one chunk.  Raises as ``read_las``; ``read_header`` has count and bounds.
     """
     if points_per_chunk < 1:
         raise BadInputError(f"points_per_chunk: expected 1 or more, got {points_per_chunk}")
@@ -106,13 +106,13 @@ def _sample(path: Path, header: LasHeader) -> NDArray[Any]:
 
 
 def _is_8_bit(rows: NDArray[Any]) -> bool:
-    """Whether 16-bit colours hold 8-bit values, as many writers leave them."""
+    """Return whether 16-bit colours have 8-bit values, as from many writers."""
     names = rows.dtype.names or ()
     return "red" in names and all(int(rows[c].max(initial=0)) <= 255 for c in COLORS)
 
 
 def _eight_bit(rows: NDArray[Any], options: ReadOptions) -> bool:
-    """The same, as it holds for the recording; raises UndecidedColorsError."""
+    """Return whether colours have 8 bits in the whole recording; raise UndecidedColorsError."""
     if options.colors is None or "red" not in (rows.dtype.names or ()) or len(rows) == 0:
         return _is_8_bit(rows)
     return options.colors.whole_for(max(int(rows[c].max()) for c in COLORS)) == 255
@@ -128,7 +128,7 @@ def _frame(
 ) -> PointFrame:
     """One frame of point records; ``records`` is the file without its points."""
     xyz = np.empty((len(rows), 3))
-    # An absurd scale gives infinities, which are refused as such.
+    # An absurd scale gives infinities, which are refused later.
     with np.errstate(over="ignore", invalid="ignore"):
         for i, axis in enumerate("xyz"):
             xyz[:, i] = rows[axis] * header.scales[i] + header.offsets[i]
@@ -146,7 +146,7 @@ def _frame(
     if "red" in (rows.dtype.names or ()):
         columns["rgb"] = rgb = np.empty((len(rows), 3), np.uint8)
         for i, color in enumerate(COLORS):
-            # 8 bits times 256 or 257, as writers scale them, become themselves.
+            # 8 bits scaled by 256 or 257, as by some writers, give the original 8 bits.
             rgb[:, i] = np.minimum(rows[color], 255) if eight_bit else rows[color] >> 8
     scaling = Scaling(header.scales, header.offsets)
     frame = frame_from_columns(path.name, columns, options, zeros=True)
@@ -197,7 +197,7 @@ def decoded_records(
 
 
 def _receive(child: subprocess.Popen[bytes], size: int, stall: float) -> bytearray:
-    """Up to ``size`` bytes; fewer at the end.  Grows with what comes, not with what is claimed."""
+    """Return up to ``size`` bytes, fewer at the end; allocate only for received bytes."""
     assert child.stdout is not None  # noqa: S101
     descriptor = child.stdout.fileno()
     block = bytearray()

@@ -1,8 +1,8 @@
-"""The header of LAS 1.0 to 1.5 and LAZ, and the fields of a point that exports give back.
+"""The header of LAS 1.0 to 1.5 and LAZ, and the fields of a point that exports preserve.
 
-The numbers come from untrusted files: nothing is allocated by them and no list of records is
-walked by their claimed length.  Names of fields are those of laspy; fields of a few bits are
-columns of their own.  Layout: ASPRS LAS Specification 1.4 R15.
+The numbers are from untrusted files: no memory is allocated by them, and no list of records is
+read by its stated length.  Fields have laspy's names; fields of a few bits are separate columns.
+Layout: ASPRS LAS Specification 1.4 R15.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ COLORS = ("red", "green", "blue")
 
 @dataclass(frozen=True, slots=True)
 class FieldScale:
-    """Values of an extra byte: ``stored × scale + offset``; ``no_data``, as stored, means none."""
+    """Values of an extra byte: ``stored × scale + offset``; the stored ``no_data`` means none."""
 
     scale: float = 1.0
     offset: float = 0.0
@@ -80,7 +80,7 @@ class FieldScale:
         return self.scale == 1.0 and self.offset == 0.0
 
     def values(self, stored: Array) -> Array:
-        """Return the values that ``stored`` stand for; NaN for no data."""
+        """Return the values of ``stored``, NaN for no data."""
         values = stored * self.scale + self.offset
         if self.no_data is not None:
             values[stored == self.no_data] = np.nan
@@ -89,13 +89,13 @@ class FieldScale:
 
 @dataclass(frozen=True, slots=True)
 class LasHeader:
-    """Facts that are needed to read the points.
+    """Parts of the header that are needed to read the points.
 
     ``offset`` of the first point in bytes; ``scales``, ``offsets``, ``lo``, ``hi`` (3,) float64;
     ``extra`` name → (byte in the record, NumPy type), ``further`` the same of all extra bytes, by
     their own names: parts of tuples as ``name[0]``, undocumented ones as ``ExtraBytes[0]``.
-    ``laszip`` is the compressor's record, None for uncompressed points.  ``scalings`` are those of
-    extra bytes, by the names of ``further``.
+    ``laszip`` is the compressor's record, None for uncompressed points.  ``scalings`` of extra
+    bytes, by the names of ``further``.
     """
 
     version: tuple[int, int]
@@ -150,8 +150,8 @@ def read_header(path: Path, limits: Limits) -> LasHeader:
             header = _parse(name, start, size)
             header_size = struct.unpack_from("<H", start, 94)[0]
             file.seek(header_size)
-            # Records of variable length fill what is between header and points, however many
-            # the header claims.  64 MiB is far above real ones.
+            # Records of variable length fill the bytes between header and points, independent of
+            # the stated number.  64 MiB is far above real files.
             between = file.read(min(header.offset - header_size, 1 << 26))
     except FileNotFoundError:
         raise NotFoundError(f"{path}: expected a file, it does not exist") from None
@@ -239,7 +239,7 @@ def _records(between: bytes) -> Iterator[tuple[bytes, int, bytes, bool]]:
 
 
 def is_las(header: bytes) -> bool:
-    """Whether a source's header, as readers keep it, is of LAS."""
+    """Return whether a source's stored header is of LAS."""
     return header[8:12] == b"LASF"
 
 
@@ -282,7 +282,7 @@ def _scalings(data: bytes) -> dict[str, FieldScale]:
         if not 1 <= kind <= 30 or not options & (NO_DATA | SCALED | SHIFTED):
             continue
         name = data[start + 4 : start + 36].split(b"\0")[0].decode("latin-1")
-        # The value for no data has 8 bytes, whatever the width of the field's type.
+        # The value for no data has 8 bytes for every type of field.
         of_class = f"<{EXTRA_TYPES[(kind - 1) % 10][0]}8"
         for part in range((kind - 1) // 10 + 1):
             none, scale, offset = (
@@ -303,10 +303,10 @@ def wide(color: str) -> str:
 
 
 def further_fields(header: LasHeader, rows: Array) -> dict[str, Array]:
-    """Columns (n,) of point records that a PointFrame has no place for, in the record's order."""
+    """Return columns (n,) of point records without a field in a PointFrame, in order."""
 
     def column(at: int, kind: str) -> Array:
-        """The values ``at`` a byte of each record, one after another: these are read faster."""
+        """Return a contiguous copy of the values ``at`` a byte of each record, for faster reads."""
         place: Any = {
             "names": ["it"],
             "formats": [kind],
@@ -335,14 +335,14 @@ def further_fields(header: LasHeader, rows: Array) -> dict[str, Array]:
     if "red" in (rows.dtype.names or ()):
         for color in COLORS:
             values = np.ascontiguousarray(rows[color])
-            # 8 bits times 257 are told by the eight; others are kept whole.
+            # Colours of 8 bits times 257 follow from the 8 bits; others are kept in full.
             if not np.array_equal(values, (values >> 8) * np.uint16(257)):
                 columns[wide(color)] = values
     return columns
 
 
 def read_records(path: Path, header: LasHeader) -> bytes:
-    """The file without its points: header and VLRs, then the EVLRs, where they are not huge."""
+    """Return the file without its points: header and VLRs, then the EVLRs unless they are huge."""
     with path.open("rb") as file:
         start = file.read(header.offset)
         evlrs = b""

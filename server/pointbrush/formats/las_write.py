@@ -23,16 +23,16 @@ TIME = "gps_time"
 MOST_NAME = 32
 """Bytes of the name of an extra dimension."""
 READ_AS_OURS = ("label", "instance")
-"""Extra dimensions that an import reads as what they are called."""
+"""Extra dimensions that an import reads as labels and instances."""
 
 
 def write_las_like(out: BinaryIO, table: Table, source: bytes, *, compress: bool) -> None:
-    """Write points as their source had them: version, point format, scale, offset, VLRs and EVLRs,
-    and all its fields; ``label``, ``category`` and ``instance`` are extra dimensions.
+    """Write points with the source's version, point format, scale, offset, VLRs and EVLRs, and all
+    its fields; ``label``, ``category`` and ``instance`` are extra dimensions.
 
-    ``source`` is what ``read_records`` gives.  A field of the source that is called as one of ours
-    keeps its name, and ours is called ``pointbrush_…``; but for ``label`` and ``instance``, which
-    the import reads as ours.
+    ``source``: the result of ``read_records``.  If a field of the source has the name of one of
+    ours, it keeps its name, and ours is named ``pointbrush_…``, except ``label`` and ``instance``,
+    which the import reads as ours.
     """
     start, after = split_records(source)
     header = laspy.LasHeader.read_from(io.BytesIO(start))
@@ -69,12 +69,12 @@ def _evlrs(header: laspy.LasHeader, after: bytes) -> laspy.vlrs.vlrlist.VLRList 
 
 
 def _is_compressor(vlr: laspy.VLR) -> bool:
-    """Whether a record is about how the points were packed, which is made anew."""
+    """Return whether a record describes the compression of the points, which is written anew."""
     return str(vlr.user_id).strip("\0") in ("laszip encoded", "copc")
 
 
 def _register_undocumented(header: laspy.LasHeader) -> list[str]:
-    """Give bytes that no field is documented for names, so that ours can follow them."""
+    """Name undocumented extra bytes, so that ours can follow them."""
     dimensions = header.point_format.dimensions
     found = next((d for d in dimensions if d.name == UNDOCUMENTED), None)
     if found is None:
@@ -122,14 +122,14 @@ def _colors_of(columns: Columns, color: str) -> NDArray[np.uint16]:
 def _keep_fields(
     rows: laspy.ScaleAwarePointRecord, columns: Columns, names: Collection[str]
 ) -> None:
-    """Write the fields ``names`` as the source has them."""
+    """Write the fields ``names`` of the source unchanged."""
     for name in names:
         kept = _source_column(columns, name)
         if kept is None:
             parts = list(_parts(columns, name))
             kept = np.stack(parts, axis=1) if parts else None
         if kept is not None and name in (rows.array.dtype.names or ()):
-            rows.array[name] = kept  # as stored: laspy's own fields take values of a scale
+            rows.array[name] = kept  # stored values: laspy's own fields expect scaled ones
         elif kept is not None:
             rows[name] = kept
 
@@ -151,11 +151,11 @@ def _source_column(columns: Columns, name: str) -> NDArray[Any] | None:
 def write_las(out: BinaryIO, table: Table, classes: NDArray[np.uint16], *, compress: bool) -> None:
     """Write columns x y z [red green blue] [intensity] label category instance and further ones.
 
-    Further fields are extra dimensions; ``gps_time`` is LAS's own.  ``classes`` are the ASPRS
-    numbers of labels, by id: they go into the classification where they fit (0..255); label,
-    category and instance are extra dimensions.  Intensity is 16 bits in LAS: fractions 0..1 are
-    scaled to 65535, and others that do not fit are an extra dimension beside it.  ``out`` seeks;
-    the table is read three times.
+    Further fields are extra dimensions; ``gps_time`` is a field of LAS.  ``classes``: the ASPRS
+    numbers of labels, by id, which are written as classification if they fit (0..255); label,
+    category and instance are extra dimensions.  Intensity has 16 bits in LAS: fractions 0..1 are
+    scaled to 65535, and other values that do not fit get an additional extra dimension.  ``out``
+    must support seek; the table is read three times.
     """
     types, _ = table.opened()
     header = laspy.LasHeader(version="1.4", point_format=7 if "red" in types else 6)
@@ -180,9 +180,9 @@ def write_las(out: BinaryIO, table: Table, classes: NDArray[np.uint16], *, compr
 
 
 def _dimensions(names: Iterable[str], theirs: set[str]) -> dict[str, str]:
-    """Return the extra dimension of each column, whose name has at most 32 bytes of ASCII.
+    """Return the name of each column's extra dimension, at most 32 bytes of ASCII.
 
-    A column that is called as one of LAS's own dimensions begins with ``source_``.
+    A column with the name of one of LAS's own dimensions gets the prefix ``source_``.
     """
     taken = {name.lower() for name in theirs}
     found: dict[str, str] = {}
@@ -253,7 +253,7 @@ class _Extent:
         return np.floor(self.lo)
 
     def steps(self, table: Table) -> NDArray[np.float64]:
-        """Per axis the coarsest usual grid that all lie on, else the finest that int32 spans."""
+        """Return per axis the coarsest usual grid of all points, or the finest that int32 spans."""
         fits = {(axis, step): True for axis in range(3) for step in GRIDS}
         for columns in table.blocks():
             for (axis, step), fit in fits.items():

@@ -13,7 +13,7 @@ BLOCK = 50_000
 
 
 def main(arguments: list[str]) -> int:
-    """Write all records; 1 and a line on stderr when they cannot be decoded."""
+    """Write all records; return 1 and write a line to stderr if they cannot be decoded."""
     path, offset, record, count, laszip, memory = arguments
     _limit_memory(int(memory))
     import lazrs
@@ -33,7 +33,7 @@ def main(arguments: list[str]) -> int:
                 sys.stdout.buffer.write(block)
                 left -= min(left, BLOCK)
             sys.stdout.buffer.flush()
-    # A panic of the native decoder is a BaseException of its own.
+    # A panic of the native decoder raises its own subclass of BaseException.
     except BaseException as error:
         print(str(error) or type(error).__name__, file=sys.stderr)
         return 1

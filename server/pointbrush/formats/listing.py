@@ -12,12 +12,12 @@ from pointbrush.formats.timing import CAMERA_FPS
 from pointbrush.frame import PointFrame
 
 INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")
-"""Folders within a recording, which say nothing about it."""
+"""Folders within a recording, with names that do not describe it."""
 
 
 @dataclass(frozen=True, slots=True)
 class FrameFile:
-    """The file ``name`` to read with ``read``, and what its folder tells of its frame."""
+    """The file ``name`` to read with ``read``, and facts about its frame from the folder."""
 
     name: str
     read: Callable[[ReadOptions], Iterator[PointFrame]]
@@ -26,7 +26,7 @@ class FrameFile:
 
 @dataclass(frozen=True, slots=True)
 class DepthFacts:
-    """Facts about depth images, in words: where their colours and intrinsics come from, and the
+    """Description of depth images for users: sources of their colours and intrinsics, and the
     pictures beside them that are not used."""
 
     color: str
@@ -36,12 +36,12 @@ class DepthFacts:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """The frames of a folder; ``count`` is None where a file holds an unknown number.
+    """The frames of a folder; ``count`` is None if a file holds an unknown number.
 
-    ``order`` and ``rate_from`` say in words what the order and ``fps`` come from; ``assumed_fps``
-    is taken where ``fps`` is not known.  ``poses_from`` is the file of poses; ``topics`` are those
-    of a bag; ``pictures`` those of cameras, by frame.  ``dataset`` is the one whose numbers the
-    labels beside the points are, "" where it is not known; ``depth`` tells of depth images.
+    ``order`` and ``rate_from`` describe the sources of the order and of ``fps``; ``assumed_fps`` is
+    used if ``fps`` is unknown.  ``poses_from``: the file of poses; ``topics``: topics of a bag;
+    ``pictures``: camera pictures by frame.  ``dataset``: dataset that defines the numbers of labels
+    beside the points, "" if it is unknown; ``depth`` describes depth images.
     """
 
     format: str

@@ -1,4 +1,4 @@
-"""LZF (Marc Lehmann's liblzf), as PCD files use it."""
+"""LZF (Marc Lehmann's liblzf), the compression of PCD files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pointbrush.errors import BadInputError
 
 
 def lzf_decompress(name: str, data: bytes, size: int) -> bytes:
-    """Decompress to exactly ``size`` bytes; raises BadInputError for data that does not."""
+    """Decompress to exactly ``size`` bytes; raise BadInputError for other data."""
     out = np.empty(size, np.uint8)
     made, at = _decompress(np.frombuffer(data, np.uint8), out)
     if made < 0:
@@ -24,7 +24,7 @@ def lzf_decompress(name: str, data: bytes, size: int) -> bytes:
 
 @compiled
 def _decompress(data: NDArray[np.uint8], out: NDArray[np.uint8]) -> tuple[int, int]:
-    """Bytes written, -1 for damaged data, and the compressed bytes read; never beyond ``out``."""
+    """Return the bytes written, -1 for damaged data, and the compressed bytes read."""
     at = made = 0
     end, size = len(data), len(out)
     while at < end:
@@ -52,7 +52,7 @@ def _decompress(data: NDArray[np.uint8], out: NDArray[np.uint8]) -> tuple[int, i
         at += 1
         if start < 0 or made + length > size:
             return -1, at
-        # Byte by byte: the copy may overlap what it writes, so that the last bytes repeat.
+        # Byte by byte: source and target of the copy may overlap, so that the last bytes repeat.
         for step in range(length):
             out[made] = out[start + step]
             made += 1

@@ -1,4 +1,4 @@
-"""Files that come beside the frames of a recording, matched to them by name, time or number."""
+"""Matching of files to the frames of a recording by name, time or number."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ log = logging.getLogger(__name__)
 POINT_ENDINGS = frozenset(
     {".pcd", ".ply", ".bin", ".las", ".laz", ".copc", ".npy", ".npz", ".txt", ".csv", ".xyz"}
 )
-"""Endings of points that other files' names keep before their own."""
+"""Endings of point files that other files keep before their own ending."""
 LISTED = 8
-"""Files that a message names."""
+"""Most files in the list of a message."""
 _NUMBER = re.compile(r"\d+(\.\d+)?", re.ASCII)
 _DECIMAL = re.compile(r"\d{1,10}\.\d+", re.ASCII)
-"""A name that is seconds of a clock of any beginning."""
+"""A name of decimal seconds of a clock with any epoch."""
 BY_ORDER = "or match them in their order (--by-order)"
 
 
 @dataclass(frozen=True, slots=True)
 class Origin:
-    """The file that a frame came from, "" where that is not known, and its place among the frames
-    of that file."""
+    """The file of a frame, "" if it is unknown, and the frame's place among the frames of that
+    file."""
 
     file: str = ""
     place: int = 0
@@ -41,8 +41,8 @@ class Origin:
 
 @dataclass(frozen=True, slots=True)
 class FrameName:
-    """Marks for matching of a frame, or of a file beside frames: the file's name, and a time in
-    seconds; "" and None where they are not known."""
+    """Properties for matching of a frame or a file: the file's name, and a time in seconds; "" and
+    None if they are unknown."""
 
     file: str = ""
     time: float | None = None
@@ -54,7 +54,7 @@ class FrameName:
 
     @property
     def is_time(self) -> bool:
-        """Whether nothing but a time tells it from others."""
+        """Return whether only a time identifies it."""
         if not self.file:
             return self.time is not None
         if _NUMBER.fullmatch(self.stem) is None:
@@ -63,7 +63,7 @@ class FrameName:
 
 
 def _seconds(names: Sequence[FrameName]) -> list[float | None]:
-    """Return the times that are known, else those in the names."""
+    """Return the known times, or else the times in the names."""
     found = [name.time for name in names]
     for place, time in enumerate(seconds_in_names([name.stem for name in names])):
         if found[place] is None:
@@ -74,11 +74,11 @@ def _seconds(names: Sequence[FrameName]) -> list[float | None]:
 
 
 Rule = Callable[[Sequence[FrameName], Sequence[FrameName]], list[int | None]]
-"""Finder of the frame that each file is of, None where it tells none."""
+"""Function that returns the frame of each file, None for files that it does not match."""
 
 
 def stem_of(name: str) -> str:
-    """The name of a file without folders and endings, of which ``000001.pcd.json`` has two."""
+    """Return a file's name without folders and endings; ``000001.pcd.json`` has two endings."""
     path = PurePath(composed(PurePath(name).name).lower())
     stem = PurePath(path.stem)
     return stem.stem if stem.suffix in POINT_ENDINGS else path.stem
@@ -91,13 +91,13 @@ def match(
     by_order: bool = False,
     times: Sequence[float] | None = None,
 ) -> list[int]:
-    """Find the frame that each file is of, as ``matched`` does.
+    """Find the frame of each file, as ``matched`` does.
 
-    ``times``: those of the files, seconds, which count in place of their names.  ``by_order`` takes
-    the files one a frame, in the order of their times, else as they are, and nothing else does but
-    one file for the only frame.
+    ``times``: times of the files, seconds, used instead of their names.  ``by_order`` matches the
+    files to the frames in the order of their times, or else in the given order; without it, only a
+    single file of a single frame is matched by order.
 
-    Raises BadInputError, which lists the files that are of no frame, or several of one frame.
+    Raises BadInputError, which lists files without a frame, or several files of one frame.
     """
     if by_order or len(files) == len(frames) == 1:
         places = in_their_order(len(files), len(frames))
@@ -112,7 +112,7 @@ def match(
 
 
 def in_their_order(files: int, frames: int) -> list[int]:
-    """Match as many files as frames by their places.  Raises BadInputError for other numbers."""
+    """Match equally many files and frames by their places.  Raises BadInputError otherwise."""
     if files != frames:
         raise BadInputError(f"by order: expected {frames} files, one a frame, got {files}")
     return list(range(files))
@@ -121,11 +121,11 @@ def in_their_order(files: int, frames: int) -> list[int]:
 def matched(
     files: Sequence[FrameName], frames: Sequence[FrameName], near: float = NEAR
 ) -> list[int | None]:
-    """Find the frame that each file is of, None for a file of no frame.
+    """Find the frame of each file, None for a file without a frame.
 
-    The first rule that fits any file is the rule for all: equal names, names that contain those of
-    frames, times at most ``near`` seconds apart, numbers in the names.  Names that are times are
-    compared as such first unless all are equal, and never as numbers.
+    The first rule that fits any file is applied to all: equal names, names that contain a frame's
+    name, times at most ``near`` seconds apart, numbers in the names.  Names that are times are
+    compared as times first unless all are equal, and never as numbers.
     """
     by_time: Rule = partial(_by_time, near=near)
     rules: tuple[Rule, ...] = (_by_name, _by_part, by_time, _by_number)
@@ -147,10 +147,10 @@ def partners(
     near: float = NEAR,
     by_order: bool = False,
 ) -> list[int | None]:
-    """Find the file, a picture or a pose, that goes with each frame, as ``matched`` does.
+    """Find the file, a picture or a pose, of each frame, as ``matched`` does.
 
-    A frame may have none, and several frames one.  Raises BadInputError where no frame has one, or
-    files have one name.
+    A frame may have no file, and several frames the same one.  Raises BadInputError if no frame has
+    a file, or if two files have one name.
     """
     if by_order:
         return list(in_their_order(len(files), len(frames)))
@@ -205,7 +205,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def _only(frames: Sequence[FrameName]) -> Mapping[str, int]:
-    """Frames by the stem of their file; those that share one are told by no name."""
+    """Return frames by the stem of their file, without frames that share a stem."""
     places: dict[str, list[int]] = defaultdict(list)
     for index, frame in enumerate(frames):
         if frame.file:
@@ -214,7 +214,7 @@ def _only(frames: Sequence[FrameName]) -> Mapping[str, int]:
 
 
 def _by_name(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[int | None]:
-    """Match files to frames of the same name, or of the folder that they are the only one in."""
+    """Match files to frames by name, or by the folder's name if all files have the same name."""
     known = _only(frames)
     stems = [file.stem for file in files]
     if len(set(stems)) == 1 < len(files):
@@ -223,7 +223,7 @@ def _by_name(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[in
 
 
 def _by_part(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[int | None]:
-    """Match files whose names contain that of a frame as a whole word; the longest counts."""
+    """Match files with names that contain a frame's name as a whole word; the longest wins."""
     known = _only(frames)
     found: list[int | None] = []
     for file in files:
@@ -234,7 +234,7 @@ def _by_part(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[in
             for last in range(first + 1, len(words) + 1, 2)
         }
         inside = sorted(parts & known.keys(), key=len)
-        # A lone number is the number of a name, not a name.
+        # A number alone is matched by ``_by_number``, not as a name.
         best = inside[-1] if inside and not inside[-1].isdecimal() else None
         found.append(None if best is None else known[best])
     return found
@@ -264,7 +264,7 @@ def _by_number(files: Sequence[FrameName], frames: Sequence[FrameName]) -> list[
     """Match files to frames of the same number: the one in which the names differ."""
     numbers = _numbers([frame.stem for frame in frames])
     if None in numbers or len(set(numbers)) < len(frames):
-        # Frames without numbers of their own are counted.
+        # Frames without numbers in their names are counted.
         numbers = list(range(len(frames)))
     known = {number: index for index, number in enumerate(numbers)}
     wanted = _numbers([file.stem for file in files])
@@ -276,8 +276,8 @@ def frames_of_numbers(
 ) -> Mapping[int, int | None]:
     """Find the frame of each number in a list that counts the frames of a drive.
 
-    It is of the file with that number in its name if all numbers are, or if the files are a part
-    of the drive; else it is a position.  A warning says which, where that makes a difference.
+    A number is in the name of a file if this fits all numbers, or if the files are a part of the
+    drive; otherwise it is a position.  A warning states the choice if it makes a difference.
     """
     positions = dict(enumerate(range(len(frames))))
     named = {n: k for k, n in enumerate(_numbers([f.stem for f in frames])) if n is not None}
@@ -295,7 +295,7 @@ def frames_of_numbers(
 
 
 def _numbers(stems: Sequence[str]) -> list[int | None]:
-    """The number of each name: the digits in which the names differ, or the only ones."""
+    """Return the number of each name: the digits in which the names differ, or the only digits."""
     runs = [[int(digits) for digits in re.findall(r"\d{1,18}", stem)] for stem in stems]
     width = {len(found) for found in runs}
     if len(width) != 1 or not stems:

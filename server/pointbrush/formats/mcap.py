@@ -35,7 +35,7 @@ class _Channels:
     channels: dict[int, tuple[str, str, str]] = field(default_factory=dict)
 
     def add(self, operation: int, content: bytes) -> None:
-        """Take note of a schema or a channel; raises BadInputError for one that is cut off."""
+        """Record a schema or a channel; raise BadInputError for a truncated one."""
         try:
             self._add(operation, content)
         except struct.error:

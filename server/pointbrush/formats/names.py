@@ -1,4 +1,4 @@
-"""Names that commands and calls choose from, without the readers behind them."""
+"""Names of formats for commands and calls, without importing the readers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ DELIMITERS: Mapping[str, str] = {
 }  # fmt: skip
 VIEWPOINT = "viewpoint"
 POSES = ("auto", "none", VIEWPOINT)
-"""Choices of poses beside a file of them; ``VIEWPOINT`` is that of the headers of PCD files."""
+"""Choices of poses other than a file; ``VIEWPOINT``: the viewpoint in headers of PCD files."""
 AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "labelcloud-points", "npy", "lines", "las"),
@@ -19,4 +19,4 @@ LABEL_FORMATS = (
     *("openpcdet", "boxes", "s3dis"),
     "points",
 )
-"""All formats of labels, in the order in which they are tried; LAS classes when asked for."""
+"""All formats of labels, in the order of trial; LAS classes only by request."""

@@ -1,4 +1,4 @@
-"""Numberings of classes: the numbers that an export's files have for categories."""
+"""Numberings of classes: numbers of categories in an export's files."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Numbering:
 
     If the data set ``name`` is known, a class with an official name gets its official number, and
     no other class gets an official number.  Other classes have numbers from ``first`` to ``last``.
-    ``dense``: they are counted in the order in which classes get them; else a class has its own
-    number of the workspace where that is free, or the greatest that is.
+    ``dense``: they are counted in the order of the classes; otherwise a class has its number in the
+    workspace if it is free, or the greatest free number.
     """
 
     name: str
@@ -25,7 +25,7 @@ class Numbering:
     dense: bool = False
 
     def completed(self, known: Mapping[str, int], wanted: Mapping[str, int]) -> dict[str, int]:
-        """Add numbers for the classes of ``wanted`` that have none; those are their own ones."""
+        """Add numbers for classes of ``wanted`` without one; its values are preferred numbers."""
         numbers = dict(known)
         listed = official_numbers(self.name)
         taken = set(known.values())
@@ -64,7 +64,7 @@ KNOWN_NUMBERINGS = (KITTI_NUMBERS, LAS_NUMBERS, TRAINING_NUMBERS, SCANNET_NUMBER
 
 
 def numbering_of(dataset: str) -> Numbering:
-    """The numbering of a data set's files; one that is not known has numbers from 1 to GREATEST."""
+    """Return the numbering of a data set's files; from 1 to GREATEST for an unknown one."""
     known = {numbering.name: numbering for numbering in KNOWN_NUMBERINGS}
     return known.get(dataset) or Numbering(dataset, 1, GREATEST)
 

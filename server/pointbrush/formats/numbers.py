@@ -16,7 +16,7 @@ _WINDOWS = re.compile(
 
 
 def parse_numbers(name: str, text: bytes) -> NDArray[np.float64]:
-    """All whitespace-separated numbers; raises BadInputError naming the first that is none.
+    """Return all whitespace-separated numbers; raise BadInputError naming the first invalid one.
 
     ``1.#IND``, ``1.#QNAN``, ``1.#INF``: NaN and infinity of older programs for Windows.
     """

@@ -19,13 +19,13 @@ from pointbrush.formats.pictures import Camera, PictureSource, of_files
 from pointbrush.formats.poses import Poses, of_quaternion
 
 TOKEN = re.compile(r"([0-9a-f]{32})_(lidarseg\.bin|panoptic\.npz)")
-"""Names of label files, which tell only by a table what they are of."""
+"""Names of label files that are matched to sweeps only by a table."""
 LEVELS = 3
 """Folders above label files in which tables are looked for."""
 PLACES = ("calibrated_sensor", "ego_pose")
 """Tables of the rows that sample data refer to."""
 MOST_APART = 0.1
-"""Seconds between a sweep and the picture that is taken for it, where no table pairs them."""
+"""Greatest seconds between a sweep and its picture if no table pairs them."""
 
 Record = dict[str, Any]
 
@@ -39,7 +39,7 @@ class Tables:
     by_token: dict[str, dict[str, Record]]
 
     def of_sweeps(self, files: Sequence[Path]) -> list[Record] | None:
-        """Return the record of each sweep; None where one has none."""
+        """Return the record of each sweep, or None if a sweep has none."""
         by_name = {Path(str(each.get("filename"))).name: each for each in self.data}
         if any(path.name not in by_name for path in files):
             return None
@@ -47,9 +47,9 @@ class Tables:
 
 
 def read_tables(folder: Path) -> Tables | None:
-    """Read the tables of the dataset that sweeps in ``folder`` (``samples/LIDAR_TOP``) are of.
+    """Read the tables of the dataset of sweeps in ``folder`` (``samples/LIDAR_TOP``).
 
-    None where there are none.  Raises BadInputError for damaged ones.
+    None if there are none.  Raises BadInputError for damaged ones.
     """
     top = folder.parent.parent
     place = next((path.parent for path in sorted(top.glob("v1.0-*/sample_data.json"))), None)
@@ -68,7 +68,7 @@ def rows_by_token(path: Path) -> dict[str, Record]:
 
 
 def nuscenes_poses(tables: Tables | None, files: Sequence[Path]) -> Poses | None:
-    """The poses of sweeps, the world being the first one's scanner; None where they are not told.
+    """Return the poses of sweeps in the first scanner's coordinates, or None without tables.
 
     Raises BadInputError for damaged tables.
     """
@@ -83,8 +83,8 @@ def nuscenes_poses(tables: Tables | None, files: Sequence[Path]) -> Poses | None
 def nuscenes_pictures(
     tables: Tables | None, files: Sequence[Path], folder: Path, limits: Limits
 ) -> PictureSource | None:
-    """The pictures of the samples that sweeps are of; without tables, or a record of each sweep,
-    those of the nearest time, their cameras not known.  Raises BadInputError for damaged tables.
+    """Return the pictures of the sweeps' samples, or, without tables or a record of each sweep, the
+    pictures nearest in time with unknown cameras.  Raises BadInputError for damaged tables.
     """
     scans = None if tables is None else tables.of_sweeps(files)
     if tables is None or scans is None:
@@ -110,9 +110,9 @@ def nuscenes_pictures(
 
 
 def label_times(paths: Sequence[Path]) -> dict[Path, float]:
-    """Seconds of the sweeps that label files named by tokens are of, by the tables above them.
+    """Return the times in seconds of the sweeps of label files named by tokens, from the tables.
 
-    {} where files have other names.  Raises BadInputError where there are several and no table.
+    {} if files have other names.  Raises BadInputError for several files without a table.
     """
     tokens = {path: found[1] for path in paths if (found := TOKEN.fullmatch(path.name))}
     if len(tokens) < len(paths) or len(paths) < 2:

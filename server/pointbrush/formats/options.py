@@ -1,4 +1,4 @@
-"""Limits on what is read from files, and the choices a caller has."""
+"""Limits of reading files, and options for callers."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from pointbrush.frame import DepthCamera
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds on what is read, checked before anything is allocated.
+    """Bounds of reading, checked before memory is allocated.
 
-    With ``roots`` (resolved folders), nothing is read that lies, or leads by a link, outside them.
+    With ``roots`` (resolved folders), no file outside them is read, also not by a link.
     """
 
     max_points: int = 500_000_000
@@ -32,7 +32,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Extras:
-    """Facts about a frame besides its points; the fields are those of PointFrame."""
+    """Data of a frame other than its points; the fields are as in PointFrame."""
 
     pose: NDArray[np.float64] | None = None
     viewpoint: NDArray[np.float64] | None = None
@@ -42,7 +42,7 @@ class Extras:
 
 
 class UndecidedColorsError(Exception):
-    """Colours of a file whose range the recording has not decided; ``high`` is their greatest."""
+    """The colours of a file have an undecided range in the recording; ``high``: the greatest."""
 
     def __init__(self, kind: str, high: float) -> None:
         super().__init__(f"{kind} colours up to {high}")
@@ -51,7 +51,7 @@ class UndecidedColorsError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class ColorRange:
-    """Greatest value of a colour in all files of a recording; None where not decided yet.
+    """Greatest value of a colour in all files of a recording; None if not decided yet.
 
     ``whole`` for integers of more than 8 bits (255 or 65535), ``real`` for floats (1 or 255).
     """
@@ -76,11 +76,11 @@ class ColorRange:
 class ReadOptions:
     """Options of reading a file.
 
-    ``known`` is what the folder tells of the frame (a line of poses.txt, a time in its name): the
-    file itself wins.  ``colors`` is the range of colours in the recording; None: each file's own.
-    ``chosen`` is what a person says.  ``columns_found`` is called with the columns of each file
-    and what they are read as, "" for what is left out.  ``class_number`` gives the number of a
-    class by file and name, where labels are words: the same in all files of a recording.
+    ``known``: data of the frame from the folder (a line of poses.txt, a time in its name); the
+    file's own data take precedence.  ``colors``: range of colours in the recording; None: each
+    file's own.  ``chosen``: the user's corrections.  ``columns_found`` is called with the columns
+    of each file and their meanings, "" for columns that are left out.  ``class_number`` returns the
+    number of a class by file and name if labels are words, the same in all files of a recording.
     """
 
     known: Extras = field(default_factory=Extras)

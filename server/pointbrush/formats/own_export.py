@@ -1,4 +1,4 @@
-"""Exports of pointbrush that come back: which file is of which frame, by their ``export.json``."""
+"""Import of exports of pointbrush: matching of files to frames by ``export.json``."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from pointbrush.names import stored_as
 
 MAX_BYTES = 64 << 20
 LEVELS = 4
-"""Folders above a file in which its ``export.json`` may lie."""
+"""Folders above a file that are searched for its ``export.json``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OwnExport:
     """An export of pointbrush in files.
 
-    ``root`` is its folder; ``frames`` are the numbers of the frames by the paths of their files;
-    ``deleted`` the masks of frames of which points were left out; ``T_export_source`` (4, 4) placed
+    ``root``: its folder; ``frames``: numbers of the frames by the paths of their files;
+    ``deleted``: masks of frames with deleted points; ``T_export_source`` (4, 4): the transform of
     its points.
     """
 
@@ -39,10 +39,10 @@ class OwnExport:
     deleted: Mapping[int, Path]
     T_export_source: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
     times: Mapping[int, float] = field(default_factory=dict)
-    """Seconds of frames, for tables whose rows have times."""
+    """Seconds of frames, for tables with times in their rows."""
 
     def label_files(self, place: Path) -> tuple[str, list[Path]]:
-        """Find the format of labels and the files at ``place`` that have them, by frame.
+        """Find the format of labels, and the files at ``place`` with labels, by frame.
 
         Raises BadInputError for an export that is not known.
         """
@@ -77,7 +77,7 @@ class OwnExport:
 
 
 def own_export(place: Path) -> OwnExport | None:
-    """Find the export of pointbrush that a file or folder belongs to; None where there is none.
+    """Find the export of pointbrush that a file or folder belongs to, or None.
 
     Raises BadInputError for a damaged ``export.json``.
     """
@@ -91,7 +91,7 @@ def own_export(place: Path) -> OwnExport | None:
 
 
 def _parse(told: Path, alone: Path | None) -> OwnExport:
-    """Read ``export.json``; ``alone``: the one file of points, whose frame is the only one."""
+    """Read ``export.json``; ``alone``: the only file of points, with the only frame."""
     try:
         if told.stat().st_size > MAX_BYTES:
             raise ValueError(f"more than {MAX_BYTES} bytes")
@@ -118,7 +118,7 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
 
 
 def _rigid(told: Any) -> NDArray[np.float64]:
-    """Read a rigid transform (4, 4), the identity where there is none; raises ValueError."""
+    """Read a rigid transform (4, 4), the identity if there is none; raise ValueError."""
     if told is None:
         return np.eye(4)
     T = np.asarray(told, np.float64)
@@ -130,7 +130,7 @@ def _rigid(told: Any) -> NDArray[np.float64]:
 
 
 def _place(told: Path, name: str, alone: Path | None) -> Path:
-    """Find the place of a file of an export, in its folder or, of a single file, beside that."""
+    """Return the path of a file of an export, in its folder or beside its single file."""
     if alone is not None:
         beside = alone.with_name(f"{alone.stem}.{name.replace('/', '.')}")
         return alone if name.endswith(alone.suffix) else beside

@@ -1,4 +1,4 @@
-"""Names and colours of labels that came with files: our own exports, and SemanticKITTI."""
+"""Names and colours of labels stored with files: our own exports, and SemanticKITTI."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ LEVELS = 4
 
 @dataclass(frozen=True, slots=True)
 class SourceLabel:
-    """A label as its files name it; ``color`` is ``#rrggbb``.
+    """A label of a file's palette; ``color`` is ``#rrggbb``.
 
-    ``packed`` is the label's number in a SemanticKITTI export, class and instance, if it has one;
-    ``instance`` its number where it came from, None: nowhere.
+    ``packed``: the label's number in a SemanticKITTI export, class and instance, if it has one;
+    ``instance``: its number in the source, None without a source.
     """
 
     id: int
@@ -39,7 +39,7 @@ class SourceLabel:
     instance: int | None = None
 
     def __post_init__(self) -> None:
-        """Write out characters that no name may hold."""
+        """Write out characters that names must not contain."""
         for field in ("name", "category"):
             object.__setattr__(self, field, spelled_out(getattr(self, field)))
 
@@ -47,10 +47,10 @@ class SourceLabel:
 def labels_of_packed(
     name: str, packed: NDArray[np.uint32], palette: Sequence[SourceLabel]
 ) -> NDArray[np.uint16]:
-    """Ids of our labels by the numbers (n,) that a SemanticKITTI export of ours has for them.
+    """Return the ids of labels by their numbers (n,) in a SemanticKITTI export of pointbrush.
 
-    Points that have a class alone may have an instance of their source.  Exports of before had the
-    label's id in the upper 16 bits.  Raises BadInputError for a number of no label.
+    Points with a class only may have an instance of their source.  Older exports have the label's
+    id in the upper 16 bits.  Raises BadInputError for an unknown number.
     """
     if all(label.packed is None for label in palette):
         return (packed >> 16).astype(np.uint16)
@@ -69,9 +69,9 @@ def labels_of_packed(
 
 
 def own_labels(paths: Sequence[Path]) -> list[SourceLabel]:
-    """The labels named by the ``palette.json`` of an export at or above ``paths``, or inside a zip.
+    """Return the labels of the ``palette.json`` of an export at or above ``paths``, or in a zip.
 
-    A file that is no palette of ours names nothing: it may be anything.
+    A file that is not a palette of pointbrush has no labels.
     """
     for path in paths:
         text = _in_zip(path) if path.suffix.lower() == ".zip" else _beside(path)
@@ -82,7 +82,7 @@ def own_labels(paths: Sequence[Path]) -> list[SourceLabel]:
 
 
 def own_palette(file: Path) -> list[SourceLabel] | None:
-    """The labels of the palette of ours that lies with a file; None where there is none."""
+    """Return the labels of the pointbrush palette beside a file, or None without one."""
     text = _beside(file)
     return None if text is None else _parse(text)
 

@@ -40,7 +40,7 @@ OBJECT = "object"
 # liblzf packs at most 264 bytes into 3.
 MAX_RATIO = 90
 SAME = 1e-6
-"""Difference of a pose from the identity that is none: metres, or of a matrix."""
+"""Greatest difference from the identity of a pose that counts as none, metres or of a matrix."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +100,9 @@ def read_pcd(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 
 
 def _extras(header: Header, options: ReadOptions) -> Extras:
-    """Return the place of the sensor, or the pose of the points where a person says so.
+    """Return the place of the sensor, or the pose of the points if the user chose it.
 
-    Programs differ: to PCL's algorithms VIEWPOINT is where the sensor was in the frame of the
+    Programs differ: in PCL's algorithms VIEWPOINT is the sensor's place in the coordinates of the
     points (sensor_origin_); PCLVisualizer and CloudCompare's PcdFilter move the points by it.
     """
     values = np.array(header.viewpoint, np.float64)
@@ -117,12 +117,12 @@ def _extras(header: Header, options: ReadOptions) -> Extras:
             "the VIEWPOINT of PCD files is another than 0 0 0 1 0 0 0: it is read as the place of "
             "the sensor and moves no points; poses 'viewpoint' takes it as the pose of the points"
         )
-    # 0 0 0 is also what writers put that know nothing; of an organised cloud it is the camera.
+    # Writers without a viewpoint also write 0 0 0; in an organised cloud it is the camera.
     return Extras(viewpoint=position if header.height > 1 or position.any() else None)
 
 
 def parse_header(name: str, data: bytes) -> Header:
-    """The header; raises BadInputError naming what is missing or wrong."""
+    """Return the header; raise BadInputError naming the missing or wrong entry."""
     entries: dict[str, list[str]] = {}
     at = 0
     while "DATA" not in entries:
@@ -217,12 +217,12 @@ def _ascii_columns(name: str, body: bytes, header: Header) -> dict[str, Array]:
 
 def _typed(field: Field, values: NDArray[np.float64]) -> Array:
     if field.kind[0] == "f":
-        # Text can hold more digits than the declared float keeps: far from the origin they count.
+        # Text may have more digits than the declared float; far from the origin they matter.
         far = field.kind == "f4" and len(values) and np.nanmax(np.abs(values), initial=0) > 4096
         packed = field.name.lower() in ("rgb", "rgba")
         with np.errstate(over="ignore"):
             return values if far and not packed else values.astype(field.kind)
-    # A missing pixel may have "nan" in a field of integers too.
+    # A missing pixel may have "nan" even in a field of integers.
     return np.where(np.abs(values) < 2.0**63, values, 0).astype(np.int64)
 
 

@@ -1,4 +1,4 @@
-"""Camera pictures beside a recording: cameras, what they project, and a ``cameras.json``."""
+"""Camera pictures of a recording: cameras, their projections, and ``cameras.json``."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ log = logging.getLogger(__name__)
 Matrix = NDArray[np.float64]
 FILE = "cameras.json"
 ENDINGS = {"JPEG": ".jpg", "PNG": ".png", "WEBP": ".webp"}
-"""Kinds of pictures that are kept, by Pillow's name: those that every browser shows."""
+"""Kinds of pictures that every browser shows, by Pillow's name; others are refused."""
 MAX_BYTES = 64 * 2**20
-"""Of one picture."""
+"""Most bytes of one picture."""
 MAX_CAMERAS = 64
 
 
@@ -37,7 +37,7 @@ class Camera:
 
     ``K`` (3, 3) pixels, ``distortion`` the coefficients of ``model`` (OpenCV's order for
     ``plumb_bob``), ``T_camera_frame`` (4, 4) from the frame's points to the camera, z ahead and y
-    down.  What is not known is None: such pictures are shown, but nothing projects into them.
+    down.  Unknown values are None: such pictures are shown, but no points project into them.
     """
 
     name: str
@@ -49,7 +49,7 @@ class Camera:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """A picture as it came, of a frame; ``ending`` tells its kind, sizes are in pixels."""
+    """An unchanged picture of a frame; ``ending`` is of its kind, sizes are in pixels."""
 
     frame: int
     camera: Camera
@@ -68,7 +68,7 @@ class PictureSource:
 
 
 def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
-    """A picture of ``content``; raises BadInputError, naming ``name``, for what is none."""
+    """Return the picture in ``content``; raise BadInputError, naming ``name``, if it is none."""
     with opened(name, io.BytesIO(content), "a picture") as image:
         (width, height), kind = image.size, image.format or ""
     if kind not in ENDINGS:
@@ -79,9 +79,9 @@ def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
 def of_files(
     base: Path, rows: Sequence[Mapping[Camera, Path]], cameras: Sequence[Camera], limits: Limits
 ) -> PictureSource | None:
-    """Pictures in files, those of each frame by camera; None where there is no picture.
+    """Return pictures in files, for each frame by camera, or None without any.
 
-    Files must lie, their links followed, in ``base`` (and in ``limits.roots``).
+    Files must be, with links followed, in ``base`` (and in ``limits.roots``).
     """
     if not any(rows):
         return None
@@ -103,7 +103,7 @@ def of_files(
 
 
 def readable(pictures: Iterable[Callable[[], Picture]]) -> Iterator[Picture]:
-    """Pictures without those that cannot be read, which a warning counts."""
+    """Yield the readable pictures; a warning counts the others."""
     failed, first = 0, ""
     for read in pictures:
         try:
@@ -129,9 +129,9 @@ def _content(path: Path) -> bytes:
 def joined(
     sources: Sequence[tuple[PictureSource | None, int]], scale: float = 1.0
 ) -> PictureSource | None:
-    """The pictures of recordings that are read one after the other, each of a number of frames.
+    """Return the pictures of consecutive recordings, each of a number of frames.
 
-    ``scale`` is that of the points, which places of cameras are in too.
+    ``scale``: scale of the points, which applies to the places of cameras as well.
     """
     found = [source for source, _ in sources if source is not None]
     if not found:
@@ -164,7 +164,7 @@ def read_cameras_file(path: Path, names: Sequence[str], limits: Limits) -> Pictu
 
     ``{"cameras": [{"name", "K", "distortion", "T_camera_frame", "files"}]}``: ``files`` lists a
     picture (or null) for each frame, or maps names of frames to pictures; paths are relative to
-    the file.  Raises BadInputError saying which entry is not so.
+    the file.  Raises BadInputError naming an invalid entry.
     """
     try:
         content = parse_json(path.read_bytes())

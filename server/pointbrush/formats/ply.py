@@ -1,6 +1,6 @@
 """PLY (Turk 1994): ascii and both binary layouts, any property names and order.
 
-The vertices become the points; faces and other elements are passed over.
+The vertices become the points; faces and other elements are skipped.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Element:
         return any(p.count_kind for p in self.properties)
 
     def least_row(self) -> int:
-        """Bytes of a row whose lists are all empty."""
+        """Bytes of a row with empty lists."""
         return sum(np.dtype(p.count_kind or p.kind).itemsize for p in self.properties)
 
 
@@ -126,7 +126,7 @@ def parse_header(name: str, data: bytes) -> Header:
                 raise BadInputError(f"{where}: expected a PLY header line, got another")
     if not layout:
         raise BadInputError(f"{name}: expected a line 'format ascii|binary_… 1.0', got none")
-    # An element without properties takes no bytes, whatever count it claims.
+    # An element without properties takes no bytes, independent of its count.
     return Header(layout, [element for element in elements if element.properties], size)
 
 
@@ -281,7 +281,7 @@ def _token_starts(
 def _typed(name: str, prop: Property, values: NDArray[np.float64]) -> Array:
     kind = np.dtype(prop.kind)
     if kind.kind == "f":
-        # Text can hold more digits than the declared float keeps: far from the origin they count.
+        # Text may have more digits than the declared float; far from the origin they matter.
         far = len(values) and np.nanmax(np.abs(values), initial=0) > 4096
         return values if far else values.astype(kind)
     info = np.iinfo(kind)

@@ -1,6 +1,6 @@
-"""Readers of labels a point: files of labels beside the points they are of.
+"""Readers of files with one label for each point.
 
-Rows are in the order of the points' own file.
+Rows are in the order of the file of points.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ Numbers = NDArray[np.int64]
 PANOPTIC = 1000
 """nuScenes panoptic: a category's number times this, plus the instance's."""
 CLASSIFICATIONS = ("classification", "scalar_classification")
-"""Fields of classes as LAS calls them, and as CloudCompare does in PLY."""
+"""Names of the field of classes in LAS, and in PLY files of CloudCompare."""
 LINE_ENDINGS = (".labels", ".seg")
-"""Of text with a label a line: Semantic3D's and ShapeNet's."""
+"""Endings of text with a label in each line, from Semantic3D and ShapeNet."""
 HEAD = 4096
-"""Bytes of a text that tell whether it has a number a line."""
+"""Bytes of a text that are checked for one number in each line."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointLabels:
     """Labels of one file's points: ``category`` (N,) class numbers, 0 for none unless the map names
-    it; ``instance`` (N,) numbers or None; ``rows`` (N,) which points of the frame they are, or
-    ``xyz`` (N, 3) their coordinates; None of both: all, in their order."""
+    it; ``instance`` (N,) numbers or None; ``rows`` (N,) numbers of the points in the frame, or
+    ``xyz`` (N, 3) their coordinates; both None: all points in their order."""
 
     file: str
     category: Numbers
@@ -57,7 +57,7 @@ def _read_semantic_kitti(path: Path, options: ReadOptions) -> PointLabels:
 
 
 def _read_octets(path: Path, options: ReadOptions) -> PointLabels:
-    """Read a class a byte: nuScenes-lidarseg and labelCloud."""
+    """Read one byte for each class: nuScenes-lidarseg and labelCloud."""
     data = read_bytes(path)
     require_count(path.name, len(data), options.limits)
     return PointLabels(path.name, np.frombuffer(data, np.uint8).astype(np.int64), None)
@@ -95,7 +95,7 @@ def _of_numbers(name: str, values: NDArray[np.generic]) -> PointLabels:
 
 
 def _read_lines(path: Path, options: ReadOptions) -> PointLabels:
-    """Read a label a line in the order of the points, after a line of words if there is one."""
+    """Read one label in each line in the order of the points, after a header line if any."""
     head, _, rest = read_bytes(path).partition(b"\n")
     text = rest if not is_number(_line(head)) else head + b"\n" + rest
     require_count(path.name, text.count(b"\n"), options.limits)
@@ -103,7 +103,7 @@ def _read_lines(path: Path, options: ReadOptions) -> PointLabels:
 
 
 def has_label_lines(path: Path) -> bool:
-    """Whether the first lines of a text, but for a header, are one whole number each."""
+    """Return whether the first lines of a text, except a header, have one integer each."""
     with path.open("rb") as file:
         lines = file.read(HEAD).splitlines(keepends=True)
     if len(lines) > 1 and not lines[-1].endswith((b"\n", b"\r")):
@@ -142,7 +142,7 @@ def _read_points(path: Path, options: ReadOptions) -> PointLabels:
 
 
 def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
-    """Spread labels over all rows of a file, 0 for those that are no points."""
+    """Spread labels over all rows of a file, 0 for rows without a point."""
 
     def spread(values: Numbers) -> Numbers:
         of_row = np.zeros(len(rows) + dropped, np.int64)
@@ -154,14 +154,14 @@ def _of_rows(labels: PointLabels, rows: Numbers, dropped: int) -> PointLabels:
 
 
 def _read_objects(path: Path, options: ReadOptions) -> PointLabels:
-    """Read the points of objects of a room of S3DIS, a folder of them or one."""
+    """Read the points of objects of a room of S3DIS, from a folder or one file."""
     objects = read_objects(object_files(path) if path.is_dir() else [path], options)
     name = f"{path.parent.name}/{path.name}"
     return PointLabels(name, objects.category, objects.instance, xyz=objects.xyz)
 
 
 def _read_classification(path: Path, options: ReadOptions) -> PointLabels:
-    """Read the classification of LAS and LAZ; 0 and 1 are points that nobody classified."""
+    """Read the classification of LAS and LAZ; 0 and 1 mean unclassified."""
     labels = _read_points(
         path, replace(options, chosen=Corrections(columns=(f"{CLASSIFICATIONS[0]}=label",)))
     )
@@ -179,4 +179,4 @@ READERS: Mapping[str, Callable[[Path, ReadOptions], PointLabels]] = MappingProxy
     "s3dis": _read_objects,
     "points": _read_points,
 })  # fmt: skip
-"""Formats of labels a point."""
+"""Formats with one label for each point."""

@@ -1,7 +1,7 @@
 """Poses of the sensor at each frame, from files beside a recording.
 
-``poses.txt`` of KITTI (12 or 16 numbers a line, of the camera where ``calib.txt`` says how it is
-mounted) and of KITTI-360 (the number of a frame before them), lines ``time x y z qx qy qz qw``
+``poses.txt`` of KITTI (12 or 16 numbers in each line, of the camera if ``calib.txt`` has its
+mounting) and of KITTI-360 (the number of a frame before them), lines ``time x y z qx qy qz qw``
 (TUM), and the OXTS folder of KITTI's raw recordings.
 """
 
@@ -29,23 +29,23 @@ from pointbrush.quaternions import rotation_of
 log = logging.getLogger(__name__)
 CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")
 EARTH_RADIUS = 6_378_137.0
-"""Metres; of the projection in KITTI's development kit."""
+"""Metres; radius in the projection of KITTI's development kit."""
 MARKED = ({13}, {17})
-"""Words of lines with a matrix after the number, time or name of a frame."""
+"""Numbers of words in lines with a matrix after the number, time or name of a frame."""
 MOST_OFF = 0.05
-"""Difference of a rotation's determinant from 1, as rounded files have it."""
+"""Greatest difference of a rotation's determinant from 1, which rounding causes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Poses:
-    """``T_world_frame`` (4, 4) of each frame, None where there is none, and their file."""
+    """``T_world_frame`` (4, 4) of each frame, or None, and their file."""
 
     matrices: Sequence[Pose | None]
     source: str
 
 
 def named_file(options: ReadOptions) -> Path | None:
-    """The file of poses that a person names; raises NotFoundError, ForbiddenError."""
+    """Return the file of poses that the user named; raise NotFoundError, ForbiddenError."""
     path = options.chosen.poses_file
     if path is not None and options.limits.roots:
         require_inside([path], options.limits.roots)
@@ -64,10 +64,10 @@ def find_poses(
     above: bool,
     by_order: bool = False,
 ) -> Poses | None:
-    """The poses that lie with the files ``names`` of a folder; None where there are none.
+    """Find the poses beside the files ``names`` of a folder; None if there are none.
 
-    ``above``: in the folder around it too, as in KITTI's layouts.  Raises BadInputError for a file
-    that is no list of poses, or one that does not fit the frames.
+    ``above``: also search the parent folder, as in KITTI's layouts.  Raises BadInputError for a
+    file that is not a list of poses, or one that does not fit the frames.
     """
     for place in (folder, folder.parent) if above else (folder,):
         path = place / "poses.txt"
@@ -97,13 +97,13 @@ def read_poses(
     by_order: bool = False,
     calibration: Path | None = None,
 ) -> Poses:
-    """A file of poses, one for each of the files ``names``; the world is the first frame's sensor
-    where they are a camera's.
+    """Read a file of poses, one for each of the files ``names``; poses of a camera are converted to
+    the scanner, relative to the scanner of the first frame.
 
-    Lines that begin with a time, a name or a number belong to frames by it; poses at another rate
-    than the frames are interpolated at ``times``, seconds.  ``by_order``: lines with a time are of
-    frames in their order.  ``calibration`` is the folder of ``calib.txt``, the file's own unless
-    given.  Raises BadInputError for other lines.
+    Lines that begin with a time, a name or a number are matched to frames by it; poses at another
+    rate than the frames are interpolated at ``times``, seconds.  ``by_order``: lines with a time
+    are matched to frames by order.  ``calibration``: the folder of ``calib.txt``, by default the
+    folder of the file.  Raises BadInputError for other lines.
     """
     rows = [
         (f"{path.name} line {number}", words)
@@ -132,7 +132,7 @@ def read_poses(
 
 
 def _matrix(where: str, words: list[str]) -> Pose | None:
-    """Return the pose of a line, after its mark if it has one; None for one of NaN."""
+    """Return the pose of a line, after its mark if it has one; None for NaN."""
     words = words[1:] if {len(words)} in MARKED else words
     return None if {word.lower() for word in words} == {"nan"} else pose_of(where, words)
 
@@ -151,11 +151,11 @@ def _marked(
     times: Sequence[float] | None,
     by_order: bool,
 ) -> list[Pose | None]:
-    """Return the pose of each frame by the names, times or numbers that lines begin with.
+    """Return the pose of each frame by the names, times or numbers at the start of lines.
 
-    Poses are interpolated where the lines begin with times.
+    Poses are interpolated if the lines begin with times.
     """
-    # An ending keeps the decimals of a time from being one.
+    # With an ending, the decimals of a time are not read as an ending.
     marks = [FrameName(f"{words[0]}.txt") for _, words in rows]
     frames = [FrameName(file) for file in names]
     found = [] if by_order or all(mark.is_time for mark in marks) else matched(frames, marks)
@@ -197,7 +197,7 @@ def _floats(where: str, words: list[str]) -> NDArray[np.float64]:
 
 
 def _mounting(path: Path, calibration: Path) -> tuple[Pose, Pose]:
-    """Return the transforms before and after each matrix of a file that make it the scanner's."""
+    """Return the transforms before and after each matrix of a file that give the scanner's pose."""
     T_cam_velo = _keyed(calibration / "calib.txt", CAMERA_KEYS)
     if T_cam_velo is not None:
         return _inverse(T_cam_velo), T_cam_velo
@@ -222,7 +222,7 @@ def _inverse(matrix: Pose) -> Pose:
 
 
 def _keyed(path: Path, keys: Sequence[str]) -> Pose | None:
-    """Return the matrix of a line that begins with one of ``keys`` and a colon, "" for neither."""
+    """Return the matrix of a line that begins with a key of ``keys`` and a colon; "": no key."""
     if path.is_file():
         for line in path.read_text("utf-8", "replace").splitlines():
             key, _, values = line.rpartition(":")

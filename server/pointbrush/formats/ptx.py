@@ -1,4 +1,4 @@
-"""PTX (Leica Cyclone): scans with their place, one after the other, each a frame.
+"""PTX (Leica Cyclone): consecutive scans with their poses, each a frame.
 
 A scan is: columns, rows, the scanner's position and axes (four lines), a 4x4 transform of row
 vectors (four lines), then x y z intensity [r g b] of every cell; 0 0 0 is a beam without an echo.
@@ -21,7 +21,7 @@ from pointbrush.frame import PointFrame
 HEADER = 10
 """Lines before the points of a scan."""
 AT_ONCE = 65_536
-"""Lines that are turned into numbers together."""
+"""Lines that are converted to numbers together."""
 WIDTHS = (4, 7)
 
 

@@ -21,7 +21,7 @@ Bytes = NDArray[np.uint8]
 
 @dataclass(frozen=True, slots=True)
 class RawImage:
-    """A picture as a message has it; ``step`` is the bytes of a row."""
+    """A picture of a message; ``step``: bytes of a row."""
 
     encoding: str
     height: int
@@ -57,19 +57,19 @@ def pixels_of(where: str, image: RawImage) -> Bytes:
 
 
 def _plain(channels: tuple[int, ...], pixel: int, where: str, image: RawImage) -> Bytes:
-    """Pixels whose ``channels`` are red, green and blue, or grey alone."""
+    """Return pixels; ``channels``: places of red, green and blue, or of grey alone."""
     made = image.rows(where, pixel)[..., list(channels)]
     return made[..., 0] if len(channels) == 1 else made
 
 
 def _wide(channels: tuple[int, ...], pixel: int, where: str, image: RawImage) -> Bytes:
-    """The same of 16 bits a channel, of which the upper 8 are taken."""
+    """Return the upper 8 bits of pixels with 16 bits a channel, as ``_plain``."""
     upper = tuple(2 * channel + (not image.big_endian) for channel in channels)
     return _plain(upper, 2 * pixel, where, image)
 
 
 def _bayer(pattern: str, where: str, image: RawImage) -> Bytes:
-    """Colours by the mean of each colour's pixels in the 3x3 round a pixel.
+    """Return colours from the mean of each colour's pixels in the 3x3 round a pixel.
 
     ``pattern`` names the colours of the first two pixels of the first two rows.
     """

@@ -1,4 +1,4 @@
-"""Records of three floats, x y z, told apart from others by the distributions of their values."""
+"""Recognition of records of three floats, x y z, by the distributions of their values."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ Floats = NDArray[np.float32]
 # As many floats as make whole points of records of 4 and 6.
 SAMPLE = 48_000
 FEW = SAMPLE // 8
-"""Floats whose distributions are compared."""
+"""Floats that are compared by their distributions."""
 LEAST = 36
-"""Records whose distributions tell."""
+"""Least number of records for a comparison of distributions."""
 MORE_MIXED = 1.5
-"""Difference within columns of a wrong number of floats, at least, per that of the right one."""
+"""Least ratio of the difference within columns for a wrong width to that for the right one."""
 LITTLE_MIXED = 0.15
-"""Greatest difference within columns that tells nothing."""
+"""Difference within columns below which widths are not distinguished."""
 MOST_APART = 0.1
-"""Difference of a coordinate's distributions in every other record, at most, of many records."""
+"""Greatest difference of a coordinate's distributions between every other record."""
 
 
 def sample(data: bytes, width: int) -> Floats:
@@ -29,10 +29,10 @@ def sample(data: bytes, width: int) -> Floats:
 
 
 def is_xyz(data: bytes) -> bool:
-    """Whether records have coordinates alone, and no other number of floats makes records.
+    """Return whether records have only coordinates, and no other number of floats fits.
 
-    With the right number of floats the values of a column are of one distribution; with another one
-    every column has some values of each.
+    With the right number of floats, the values of a column have one distribution; with another
+    number, every column mixes several distributions.
     """
     table = sample(data, 3)
     if len(data) % 12 or len(table) < LEAST or not (np.abs(table) < 1e7).all():
@@ -42,14 +42,14 @@ def is_xyz(data: bytes) -> bool:
         return False
     if not all(_fits_three(data, width) for width in (4, 5, 7)):
         return False
-    # Every other record of 6 floats (normals, …) or third of 9 would be no coordinates.
+    # In records of 6 or 9 floats, every second or third one here has no coordinates (normals, …).
     return not any(len(data) % (12 * step) == 0 and _takes_turns(table, step) for step in (2, 3))
 
 
 def _takes_turns(table: Floats, step: int) -> bool:
-    """Whether two columns are of other distributions in every ``step``-th record than after it.
+    """Return whether two columns differ in distribution between every ``step``-th and next record.
 
-    One alone may be: the heights of lasers that measure in turn.
+    A single column may differ: the heights of lasers that measure in turn.
     """
     apart = sorted(_distance(table[::step, i], table[1::step, i]) for i in range(3))
     # Few values differ by chance.
@@ -57,9 +57,9 @@ def _takes_turns(table: Floats, step: int) -> bool:
 
 
 def _fits_three(data: bytes, width: int) -> bool:
-    """Whether three floats a record fit better than ``width``, or ``width`` cannot be.
+    """Return whether three floats a record fit better than ``width``, or ``width`` is impossible.
 
-    Of a file that is cut off, another width shows in the distributions still.
+    In a truncated file, another width is still visible in the distributions.
     """
     mine, other = _mixed(data, 3, width), _mixed(data, width, 3)
     silent = len(data) % (4 * width) != 0 and max(mine, other) < LITTLE_MIXED
@@ -67,7 +67,7 @@ def _fits_three(data: bytes, width: int) -> bool:
 
 
 def _mixed(data: bytes, width: int, records: int) -> float:
-    """Mean distance of the distributions of a column's values in one of ``records`` and another."""
+    """Return the mean distance of a column's distributions in one of ``records`` and another."""
     table = sample(data[: 4 * FEW], width * records)
     pairs = [(i, k) for i, k in combinations(range(width * records), 2) if i % width == k % width]
     return float(np.mean([_distance(table[:, i], table[:, k]) for i, k in pairs]))

@@ -1,4 +1,4 @@
-"""Registry of the formats that are read: one entry each, and those of plug-ins.
+"""Registry of the formats that are read, with the formats of plug-ins.
 
 A plug-in package adds a format with an entry point in the group ``pointbrush.formats`` that names
 a ``Format``.
@@ -37,11 +37,11 @@ Reader = Callable[[Path, ReadOptions], Iterator[PointFrame]]
 class Format:
     """A file format: its name on the command line, file name endings, and reader.
 
-    ``magic`` starts the files of the format, for names that do not tell.  ``read`` yields the
-    frames of one file and raises BadInputError for a file that is not whole.  ``weak`` endings
-    are those of other things too (.txt): in a folder they give way to point cloud files.
+    ``magic``: first bytes of the format's files, for ambiguous names.  ``read`` yields the frames
+    of one file and raises BadInputError for a damaged file.  ``weak`` endings have other uses too
+    (.txt): in a folder, files with other endings take precedence.
     ``bag``: files hold topics, and messages that are frames.
-    ``headless``: files hold points and nothing else, so that one of 0 bytes holds none.
+    ``headless``: files have only points, so that a file of 0 bytes has none.
     """
 
     name: str
@@ -90,7 +90,7 @@ ALIASES = {
 
 
 FORMATS: dict[str, Format] = {entry.name: entry for entry in BUILT_IN}
-"""Formats by name; those of plug-ins join when a format is first asked for."""
+"""Formats by name; formats of plug-ins are added on first use."""
 
 
 @cache
@@ -100,7 +100,7 @@ def load_plugins() -> None:
     Not at import: a plug-in imports this package, perhaps before it is complete.
     """
     for point in entry_points(group="pointbrush.formats"):
-        # A plug-in that does not load must not take the built-in formats with it.
+        # A plug-in that does not load must not disable the built-in formats.
         try:
             plugin = point.load()
         except Exception:
@@ -119,11 +119,11 @@ ADVICE = {
     ),
     (".pcap", ".pcapng"): "packets of a scanner are not read; write PCD or LAS by its maker's tool",
 }
-"""Ways to get at files that are not read, by the endings of their names."""
+"""Ways to convert unsupported files, by the endings of their names."""
 
 
 def advice(paths: Iterable[Path]) -> str:
-    """A way to get at the first file that is not read, with ": " before it; "" without one."""
+    """Return the way to convert the first unsupported file, after ": ", or "" without one."""
     for path in paths:
         for endings, text in ADVICE.items():
             if path.name.lower().endswith(endings):
@@ -132,13 +132,13 @@ def advice(paths: Iterable[Path]) -> str:
 
 
 def format_names() -> list[str]:
-    """Every name that ``format_named`` takes, those of plug-ins too."""
+    """Return every name that ``format_named`` accepts, including plug-ins."""
     load_plugins()
     return sorted({*FORMATS, *ALIASES})
 
 
 def format_named(name: str) -> Format:
-    """The format called ``name``; raises BadInputError listing what there is."""
+    """Return the format called ``name``; raise BadInputError with the list of formats."""
     load_plugins()
     key = name.lower().lstrip(".")
     key = ALIASES.get(key, key)
@@ -148,7 +148,7 @@ def format_named(name: str) -> Format:
 
 
 def format_by_name(path: Path) -> Format | None:
-    """The format that a file's ending tells; the longest ending wins (``.copc.laz``)."""
+    """Return the format of a file's ending; the longest ending wins (``.copc.laz``)."""
     load_plugins()
     lower = path.name.lower()
     matches = [
@@ -163,7 +163,7 @@ def format_by_name(path: Path) -> Format | None:
 def format_of(path: Path) -> Format:
     """The format of a single file, by its ending, else by its first bytes.
 
-    Raises BadInputError when neither tells.
+    Raises BadInputError if neither identifies a format.
     """
     found = format_by_name(path)
     if found is None:

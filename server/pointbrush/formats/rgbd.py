@@ -41,7 +41,7 @@ def list_rgbd(folder: Path, options: ReadOptions) -> Listing | None:
     TUM RGB-D: ``depth.txt`` and ``rgb.txt`` list times and files, ``groundtruth.txt`` poses.
     Otherwise pairs as ``find_pairs`` finds them; poses of a file ``.pose.txt`` each (7-Scenes), or
     a ``pose`` folder.
-    Raises BadInputError when lists do not fit, or names of images do not tell pairs.
+    Raises BadInputError if lists do not fit, or if images cannot be paired by name.
     """
     tum = _has_lists(folder)
     found = _tum_pairs(folder) if tum else find_pairs(folder, options)
@@ -161,7 +161,7 @@ def _poses(
 
 
 def _pose_files(folder: Path, pairs: Sequence[Pair]) -> Poses | None:
-    """Poses of a file of 16 numbers each; a frame whose numbers are not finite has none."""
+    """Read poses from files of 16 numbers each; a frame without finite numbers has none."""
     places = [place for name in POSE_FOLDERS if (place := folder / name).is_dir()]
     files = [path for place in places for path in place.glob("*.txt")]
     files += pairs[0].depth.parent.glob("*.pose.txt")

@@ -1,4 +1,4 @@
-"""Messages serialised by ROS 1 or in CDR (ROS 2), ``sensor_msgs/PointCloud2`` among them."""
+"""Messages serialised by ROS 1 or in CDR (ROS 2), including ``sensor_msgs/PointCloud2``."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TYPES = ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2")
 KINDS = ("", "i1", "u1", "i2", "u2", "i4", "u4", "f4", "f8")
 MAX_FIELDS = 256
 IMAGE, COMPRESSED, INFO, TRANSFORMS = "Image", "CompressedImage", "CameraInfo", "TFMessage"
-"""Messages that are read beside point clouds."""
+"""Messages that are read in addition to point clouds."""
 
 
 class Message(Protocol):
@@ -114,7 +114,7 @@ def cut_off(name: str, kind: str, message: Message) -> BadInputError:
 
 @dataclass(frozen=True, slots=True)
 class PointCloud2:
-    """A message as it stands; ``time`` in seconds, fields as (name, offset, kind)."""
+    """A decoded message; ``time`` in seconds, fields as (name, offset, kind)."""
 
     time: float
     height: int
@@ -126,7 +126,7 @@ class PointCloud2:
 
 
 def head_of_message(name: str, message: Message, kind: str) -> tuple[float, str]:
-    """Stamp in seconds (that of its recording where it has none), and frame id.
+    """Return stamp in seconds (or the time of recording without one), and frame id.
 
     Raises BadInputError for a message of this ``kind`` that is cut off.
     """
@@ -140,8 +140,8 @@ def head_of_message(name: str, message: Message, kind: str) -> tuple[float, str]
 def frame_of_message(name: str, message: Message, options: ReadOptions) -> PointFrame:
     """The points of a message.
 
-    Points with NaN are missing measurements.  Raises BadInputError for a message that is cut
-    off, or whose fields and steps do not fit its data.
+    Points with NaN are missing measurements.  Raises BadInputError for a truncated message, or if
+    its fields and steps do not fit its data.
     """
     try:
         cloud = _parse(name, message)
@@ -185,7 +185,7 @@ def _rows(name: str, cloud: PointCloud2) -> NDArray[Any]:
     count = cloud.height * cloud.width
     fits = all(at + np.dtype(kind).itemsize <= cloud.point_step for _, at, kind in cloud.fields)
     row = cloud.width * cloud.point_step
-    # Of one row, and of rows that fill the data, the step says nothing: many drivers set it wrong.
+    # The step is ignored for one row, and for rows that fill the data: many drivers set it wrong.
     says_nothing = cloud.height == 1 or len(cloud.data) == cloud.height * row
     row_step = row if says_nothing else cloud.row_step
     if not fits or (count and (row_step < row or cloud.point_step == 0)):

@@ -40,7 +40,7 @@ def topics_of(path: Path) -> list[Topic]:
             if operation == BAG_HEADER:
                 end = _u64(header, "index_pos")
                 if end == 0:
-                    # Not closed properly: the chunks themselves have to tell.
+                    # The bag was not closed properly: scan the chunks instead.
                     index = _scanned(path.name, data)
                     break
                 if not len(MAGIC) < end <= len(data):

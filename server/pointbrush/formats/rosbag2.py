@@ -11,7 +11,7 @@ from pathlib import Path
 from pointbrush.errors import BadInputError
 from pointbrush.formats.bag import Bag, BagMessage, Topic, read_bag, unpack_message
 
-# Views could compute anything, for ever.
+# Views are refused, because a query of a view may run forever.
 KINDS = "SELECT name, type FROM sqlite_master WHERE name IN ('topics', 'messages')"
 COUNTS = """
     SELECT topics.name, topics.type, count(messages.id)
@@ -59,11 +59,11 @@ def _opened(path: Path) -> Iterator[sqlite3.Connection]:
     if path.exists() and path.stat().st_size == 0:
         raise BadInputError(f"{path.name}: expected a bag, got an empty file (0 bytes)")
     try:
-        # Immutable: no journal or lock is written beside a file of somebody else.
+        # Immutable: no journal or lock is written beside the user's file.
         address = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
         with closing(sqlite3.connect(address, uri=True)) as database:
             database.text_factory = partial(str, encoding="utf-8", errors="replace")
             yield database
-    # Even the text of SQLite's own complaint can hold bytes of the damaged file.
+    # Even the text of SQLite's error can contain bytes of the damaged file.
     except (sqlite3.Error, UnicodeError) as error:
         raise BadInputError(f"{path.name}: expected a ROS 2 bag, {error}") from None

@@ -1,7 +1,7 @@
 """Rooms of S3DIS: the points of a room, and a file with the points of each object in it.
 
-``ROOM/ROOM.txt`` has lines x y z r g b, ``ROOM/Annotations/CLASS_N.txt`` those of an object (Armeni
-et al. 2016; Pointcept's ``preprocess_s3dis.py`` reads the same layout).
+``ROOM/ROOM.txt`` has lines x y z r g b, ``ROOM/Annotations/CLASS_N.txt`` the lines of an object
+(Armeni et al. 2016; Pointcept's ``preprocess_s3dis.py`` reads the same layout).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Numbers = NDArray[np.int64]
 log = logging.getLogger(__name__)
 FOLDER = "Annotations"
 HEAD = 512
-"""Bytes of a file that tell whether it has points."""
+"""Bytes of a file that are checked for points."""
 _OBJECT = re.compile(r"(?P<name>[^\d.].*)_(?P<number>\d{1,9})", re.DOTALL)
 
 
@@ -82,7 +82,7 @@ def _read_object(path: Path, options: ReadOptions) -> Objects:
 def numbers_at(name: str, xyz: NDArray[np.floating], objects: Objects) -> tuple[Numbers, Numbers]:
     """Return class and instance (N,) of points ``xyz`` (N, 3) that are equal to one of an object.
 
-    They are 0 for others.  A warning counts points of objects that are none of the points.
+    They are 0 for other points.  A warning counts points of objects that are not among ``xyz``.
     """
     count = len(xyz)
     both = np.concatenate([xyz, objects.xyz.astype(xyz.dtype)])

@@ -1,4 +1,4 @@
-"""A recording as its user points at it: a file, several, a folder, a glob or an archive."""
+"""A recording at a user's path: a file, several files, a folder, a glob or an archive."""
 
 from __future__ import annotations
 
@@ -30,18 +30,18 @@ from pointbrush.frame import PointFrame
 from pointbrush.names import spelled_out
 
 MOST_WARNINGS = 100
-"""Warnings that are kept of one recording."""
+"""Most warnings of one recording."""
 
 
 @dataclass
 class Source:
     """A recording about to be read.
 
-    ``frames`` yields the frames in order, once; a reader's errors come from it.  ``count`` is
-    their number and ``fps`` their rate, where the files tell; ``listings`` what was found where;
-    ``scale`` metres for a unit of the files; ``classes`` the names of labels 1, 2, … where the
-    files call them by words, ``origins`` the file of each frame, as far as frames have been read.
-    ``close`` removes temporary files; exhausting or dropping ``frames`` does too.
+    ``frames`` yields the frames in order, once, and raises the errors of readers.  ``count`` is
+    their number and ``fps`` their rate, if the files state them; ``listings``: the listing of each
+    path; ``scale``: metres for a unit of the files; ``classes``: names of labels 1, 2, … if the
+    files have words for labels; ``origins``: the file of each frame read so far.  ``close`` removes
+    temporary files; exhausting or dropping ``frames`` does so as well.
     """
 
     frames: Iterator[PointFrame]
@@ -67,7 +67,7 @@ class Source:
         return joined(found, self.scale)
 
     def rate(self, given: float | None) -> tuple[float, str]:
-        """Frames per second, and what says so: ``given`` by a person, the files, else assumed."""
+        """Return the frames per second and their source: ``given``, the files, or assumed."""
         if given:
             return given, "given"
         if self.fps:
@@ -117,7 +117,7 @@ def open_source(
 
     Raises NotFoundError for a path or glob that matches nothing, BadInputError for an unknown
     format, a folder without points or with several formats, a damaged archive; TooLargeError;
-    ForbiddenError for what leads outside ``limits.roots``.
+    ForbiddenError for paths outside ``limits.roots``.
     """
     if not paths:
         raise BadInputError("path: expected one or more files or folders, got none")
@@ -179,16 +179,16 @@ def _decided(
     later: list[FrameFile],
     options: ReadOptions,
 ) -> ColorRange:
-    """The range that holds for all files: the small one, unless a later file exceeds it.
+    """Return the range for all files: the small one, unless a later file exceeds it.
 
-    Of a later file that holds several frames the first with colours tells.
+    In a later file with several frames, the first frame with colours decides.
     """
     small, large = (255, 65535) if undecided.kind == "whole" else (1, 255)
     high = undecided.high
     for file in later:
         if high > small:
             break
-        with suppress(BadInputError):  # said when its turn comes
+        with suppress(BadInputError):  # raised again when the file is read in order
             try:
                 next(file.read(replace(options, known=file.known, colors=colors)), None)
             except UndecidedColorsError as other:
@@ -197,7 +197,7 @@ def _decided(
 
 
 def _expand(paths: Sequence[Path]) -> list[Path]:
-    """Globs replaced by what they match, in natural order; everything else must exist."""
+    """Replace globs by their matches, in natural order; other paths must exist."""
     found: list[Path] = []
     for path in paths:
         if path.exists():
@@ -239,8 +239,8 @@ def _listings(
 def source_name(paths: Sequence[Path]) -> str:
     """Return a name for the recording at ``paths``: its file, folder or archive, without endings.
 
-    Several files are called by their folder, or, where that has a random name (uploads), by what
-    their names have in common.  Characters that no name may hold are written out.
+    Several files are named after their folder, or, if it has a random name (uploads), after the
+    common prefix of their names.  Characters that names must not contain are written out.
     """
     return spelled_out(_bare_name(paths))
 
@@ -250,7 +250,7 @@ def _bare_name(paths: Sequence[Path]) -> str:
     if len(paths) > 1 or glob.has_magic(str(path)):
         folder = path.absolute().parent
         stems = [Path(each).stem for each in paths]
-        # By characters, which is what this function does in spite of its name.
+        # Despite its name, commonprefix compares characters, as needed here.
         common = os.path.commonprefix(stems).rstrip("0123456789_-. ")  # noqa: RUF071
         random_name = re.fullmatch("[0-9a-f]{32}", folder.name) is not None
         return (common or "upload") if random_name else folder.name
@@ -277,7 +277,7 @@ class _Collector(logging.Handler):
 
 @contextmanager
 def reported() -> Iterator[dict[str, None]]:
-    """Collect what readers warn of meanwhile, each once, in order; it is logged as well.
+    """Collect the warnings of readers in the context, each once, in order; they are logged as well.
 
     Readers of this process, in all its threads: one recording at a time.
     """

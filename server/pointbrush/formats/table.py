@@ -1,4 +1,4 @@
-"""Columns of points on their way to a file, all at once or block by block."""
+"""Columns of points to write to a file, all at once or block by block."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ROWS = 1 << 20
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """``count`` rows of named columns; ``blocks`` gives them in order, and again when called again.
+    """``count`` rows of named columns; each call of ``blocks`` returns them in order.
 
     There is at least one block; all have the same columns and types.
     """
@@ -55,24 +55,24 @@ class Table:
 
 
 def stored_name(name: str) -> str:
-    """Return the column of a source's field as the source stores it, which no other one has."""
+    """Return the unique column name of a source's field with its stored values."""
     return f"/{name}"
 
 
 def plain_name(name: str, longest: int) -> str:
-    """Return a name in ASCII without spaces, of at most ``longest`` characters, as headers need."""
+    """Return a name in ASCII without spaces, of at most ``longest`` characters, for headers."""
     bare = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
     return "_".join(bare.split())[:longest] or "field"
 
 
 def free_name(name: str, taken: Container[str], longest: int) -> str:
-    """Return ``name``, or with a number behind it where ``taken`` has it in lower case."""
+    """Return ``name``, with a number appended if ``taken`` contains it in lower case."""
     numbered = (f"{name[: longest - 1 - len(str(n))]}_{n}" for n in count(2))
     return next(each for each in chain([name], numbered) if each.lower() not in taken)
 
 
 class Spools:
-    """Takes blocks of columns; then gives each column as a table of its own, to be read once."""
+    """Stores blocks of columns, then returns each column as a table that can be read once."""
 
     def __init__(self, stack: ExitStack) -> None:
         """``stack`` closes the files."""
@@ -85,7 +85,7 @@ class Spools:
         """Append a block; all have the same columns."""
         for name, values in columns.items():
             if name not in self._files:
-                spool = tempfile.SpooledTemporaryFile(_MEMORY)  # noqa: SIM115 - by the stack
+                spool = tempfile.SpooledTemporaryFile(_MEMORY)  # noqa: SIM115 - closed by the stack
                 self._files[name] = self._stack.enter_context(spool)
                 self._like[name], self._counts[name] = values[:0], 0
             self._files[name].write(np.ascontiguousarray(values).tobytes())

@@ -32,15 +32,15 @@ from pointbrush.frame import PointFrame
 Array = NDArray[Any]
 MAX_COLUMNS = 1024
 LONG = 1 << 18
-"""Bytes of a text from which it is worth loading pyarrow for."""
+"""Bytes of a text from which on it is read with pyarrow."""
 HEAD = 1 << 16
-"""Bytes that tell how its lines are made."""
+"""Bytes from which the layout of lines is inferred."""
 SAMPLE = 50
-"""Rows that tell whether commas are decimal."""
+"""Rows that are checked for decimal commas."""
 FRAMES = ("frame", "frame_id", "frame_index", "frame_number", "frame_no", "frameid")
 """Names of columns that number the frames of a table."""
 LEAST_POINTS = 2
-"""Points of a frame, on average, from which on such a column numbers frames."""
+"""Least mean number of points of a frame for a column of frame numbers."""
 ECHO_START = "header:"
 ECHOED = "messages as 'rostopic echo' prints them; import their bag, or a table of their points"
 EXACT = 2.0**53
@@ -49,17 +49,17 @@ log = logging.getLogger(__name__)
 METRES = {"mm": 0.001, "cm": 0.01, "dm": 0.1, "km": 1000.0, "ft": 0.3048, "in": 0.0254}
 """Metres of units in headers."""
 _EXCEL = re.compile(r"\"?sep=.\"?", re.IGNORECASE)
-"""First line by which a spreadsheet names the separator."""
+"""First line with which a spreadsheet states the separator."""
 _COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", re.ASCII)
 _QUOTED = re.compile(rf'"\s*{_COMMA.pattern}\s*"', re.ASCII)
 _CSV_ROWS = 65536
 
 
 def read_text(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
-    """One file as one frame, coordinates as float64; of a table with a column of frames, each.
+    """Read a file as one frame, or as several by a column of frames; coordinates are float64.
 
-    Raises BadInputError naming the line for words that are no numbers, rows of different
-    lengths, fewer than three columns, or a count line (PTS) that does not agree.
+    Raises BadInputError naming the line for words that are not numbers, rows of different
+    lengths, fewer than three columns, or a wrong count line (PTS).
     """
     data = read_bytes(path)
     name = path.name
@@ -112,7 +112,7 @@ def _by_frame(
 def _read_at_once(name: str, data: bytes, options: ReadOptions) -> dict[str, Array] | None:
     """Columns of a plain table of numbers, read in all cores by pyarrow; None for any other text.
 
-    What is no such table, or is wrong, is left to the careful way, which says so by line.
+    Other or invalid texts are left to the slow reader, which reports errors by line.
     """
     head = data[: data.rfind(b"\n", 0, HEAD) + 1]
     if not head.isascii() or any(mark in data for mark in (b'"', b"#", b"//")):
@@ -171,9 +171,9 @@ class Layout:
 
 
 def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections) -> Layout:
-    """Tell header, count line (PTS), separator and decimal comma by the first lines.
+    """Infer header, count line (PTS), separator and decimal comma from the first lines.
 
-    ``chosen`` wins over what they seem to say.
+    ``chosen`` takes precedence over them.
     """
     header: list[str] | None = None
     counted: list[int] = []
@@ -206,13 +206,13 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
 
 
 def _header(line: str, separator: str | None) -> list[str]:
-    """Names of columns; where spaces separate them, none is within a name and its unit."""
+    """Return the names of columns; with spaces as separator, a unit stays with its name."""
     words = _words(line if separator else re.sub(r"\s+(?=[\[(])", "", line), separator)
     return [word.strip().strip("\"'") for word in words]
 
 
 def _name_units(header: Sequence[str], chosen: Corrections) -> None:
-    """Warn of coordinates whose header says that they are not metres."""
+    """Warn of coordinates with a unit other than metres in the header."""
     found = roles(header)
     units = {unit_of(found[axis]) for axis in "xyz" if axis in found} & METRES.keys()
     for unit in units if chosen.scale == 1.0 else ():
@@ -223,7 +223,7 @@ def _name_units(header: Sequence[str], chosen: Corrections) -> None:
 
 def _has_decimal_commas(lines: list[str], rows: list[int], separator: str | None) -> bool:
     """Whether values have decimal commas, by the first rows with a comma in a value."""
-    if separator == ",":  # then such values are in quotes
+    if separator == ",":  # then values with decimal commas are in quotes
         return any(_QUOTED.search(lines[row]) for row in rows if '"' in lines[row])
     sample = islice((lines[row] for row in rows if "," in lines[row]), SAMPLE)
     table = csv.reader(sample, delimiter=separator or " ")
@@ -237,7 +237,7 @@ def _is_count(line: str) -> bool:
 
 
 def _rows_of_scans(name: str, lines: list[str], left: list[int]) -> list[int]:
-    """Return the rows of scans that follow each other, each after a line with its count.
+    """Return the rows of consecutive scans, each after a line with its count.
 
     Raises BadInputError for a scan with another number of points than its count.
     """
@@ -260,7 +260,7 @@ def _separator(line: str) -> str | None:
             return separator
     if "," not in line:
         return None
-    # 1,5 2,25 3,125: the commas are decimal ones, and spaces separate.
+    # 1,5 2,25 3,125: decimal commas, separated by spaces.
     words = line.split()
     decimal = [_COMMA.fullmatch(word) is not None or is_number(word) for word in words[:3]]
     return None if len(words) >= 3 and all(decimal) else ","
@@ -323,7 +323,7 @@ def _quoted(lines: list[str], rows: list[int]) -> bool:
 
 
 def _table(name: str, lines: list[str], layout: Layout, width: int) -> NDArray[np.float64] | None:
-    """All values as numbers (N, width); None where columns of words may be among them."""
+    """Return all values as numbers (N, width), or None if there may be columns of words."""
     rows, separator = layout.rows, layout.separator
     if not rows:
         return np.empty((0, 3))
@@ -343,7 +343,7 @@ def _table(name: str, lines: list[str], layout: Layout, width: int) -> NDArray[n
 
 
 def _table_of(name: str, lines: list[str], layout: Layout) -> list[list[str]]:
-    """The words of each row; raises BadInputError where one has more or fewer than the first."""
+    """Return the words of each row; raise BadInputError for a row of another length."""
     separator = layout.separator or " "
     wanted = (lines[row] for row in layout.rows)
     table = list(csv.reader(wanted, delimiter=separator, skipinitialspace=True))
@@ -360,7 +360,7 @@ def _table_of(name: str, lines: list[str], layout: Layout) -> list[list[str]]:
 def _columns_with_words(
     name: str, lines: list[str], layout: Layout, options: ReadOptions
 ) -> Mapping[str, Array]:
-    """Columns of numbers alone: names, dates and remarks beside them are left out."""
+    """Return the columns of numbers only; names, dates and remarks are left out."""
     table = _table_of(name, lines, layout)
     width = len(table[0])
     names = layout.header or [str(i) for i in range(width)]
@@ -390,7 +390,7 @@ def _columns_with_words(
             columns[column] = _exact(values, called)
             continue
         left_out.append(column)
-        # A column of words keeps its place among the meanings that a person gives in order.
+        # A column of words keeps its place in the order of meanings that the user gave.
         if options.chosen.columns:
             columns[column] = np.full(len(table), np.nan)
     if left_out:
@@ -406,7 +406,7 @@ def _words_of(lines: list[str], layout: Layout, column: int) -> Iterator[str]:
 
 
 def _exact(values: NDArray[np.float64], words: Iterable[str]) -> Array:
-    """Return numbers as int64 where they are whole and float64 rounds them, else as they are."""
+    """Return numbers as int64 if they are whole and float64 would round them, else unchanged."""
     if not np.any(np.abs(values) >= EXACT):
         return values
     try:
@@ -416,7 +416,7 @@ def _exact(values: NDArray[np.float64], words: Iterable[str]) -> Array:
 
 
 def _numbers(words: list[str], layout: Layout) -> NDArray[np.float64] | int:
-    """Words as numbers, or which of them is none; a missing value is NaN."""
+    """Return words as numbers, or the index of an invalid word; a missing value is NaN."""
     values = np.full(len(words), np.nan)
     known = False
     for i, word in enumerate(words):

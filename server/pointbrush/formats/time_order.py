@@ -1,4 +1,4 @@
-"""Order of frames by their times, if these fit; else the order that the files or records have."""
+"""Order of frames by their times if plausible, otherwise by the order of files or records."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 log = logging.getLogger(__name__)
 SET_BACK = 3
-"""Irregular steps that a step back in time counts for: a clock is seldom set back."""
+"""Weight of a step back in time, in irregular steps: clocks are seldom set back."""
 RENUMBERED = 3
-"""Irregular steps that sorting against a numbered order counts for."""
+"""Weight of sorting against a numbered order, in irregular steps."""
 FEW = 3
-"""Frames that are too few for a comparison of two orders."""
+"""Number of frames that is too small for a comparison of two orders."""
 LEAST_STEP = 1e-4
-"""Seconds; least plausible step of frames whose names have counts of nanoseconds."""
+"""Seconds; least plausible step of frames with counts of nanoseconds in their names."""
 
 MILLI = 3
 """Digits of a count of milliseconds."""
@@ -31,7 +31,7 @@ NANO = 9
 class TimeOrder:
     """Places of frames in the order of the recording.
 
-    ``source`` says in words what decided the order, ``times`` what the times are from, "" for none.
+    ``source`` describes the reason for the order, ``times`` the source of the times, "" for none.
     """
 
     places: Sequence[int]
@@ -49,9 +49,9 @@ def order_by_time(
 ) -> TimeOrder:
     """Return the order by ``times`` (seconds) if its steps are plausible, else the given one.
 
-    ``source`` names the times, of ``where``, and ``given`` the order that the frames come in, which
-    is evidence if it is ``numbered``; None if nothing but the times tells the order.  Warnings name
-    equal times, and times that go back in an order that is evidence.
+    ``source`` describes the times, of ``where``, and ``given`` the order of the frames, which is
+    evidence if it is ``numbered``; None if only the times give an order.  Warnings report equal
+    times, and times that decrease in an order that is evidence.
     """
     steps = np.diff(np.asarray(times, np.float64))
     equal, back = int((steps == 0).sum()), np.flatnonzero(steps < 0)

@@ -19,16 +19,16 @@ TIME_FILES = ("timestamps.txt", "times.txt", "timestamp.txt", "timestamps.csv", 
 # Seconds since 1970 of plausible recordings: 1990 to 2100.
 EARLIEST, LATEST = 631_152_000, 4_102_444_800
 ASSUMED = "assumed"
-"""Origin of a rate that no file states."""
+"""Source of a rate that no file states."""
 CAMERA_FPS = 30.0
 SPINNING_FPS = 10.0
 """Turns per second of the scanners of KITTI, SemanticKITTI, Argoverse and most others."""
 SURVEY_FORMATS, SURVEY_FPS = ("las", "e57", "ptx"), 1.0
-"""Formats of scans that are hardly ever a film."""
+"""Formats of scans that are hardly ever frames of a video."""
 SPINNING_FORMATS = ("kitti", "bin", "nuscenes", "feather")
 SPINNING_FOLDERS = ("velodyne", "velodyne_points", "lidar", "lidar_top", "ouster", "hesai")
 NANOSECONDS = (18, 19)
-"""Digits of a name that is nothing else than a time."""
+"""Numbers of digits of a name that can only be a time."""
 _DATE = re.compile(r"(?<!\d)((?:19|20)\d{6})[T_\- ]?(\d{6})(?:[._](\d{1,9}))?(?!\d)")
 _CLOCK = re.compile(
     r"(?<!\d)((?:19|20)\d\d)-(\d\d)-(\d\d)[T _]+(\d\d)[:_-](\d\d)[:_-](\d\d)"
@@ -52,10 +52,10 @@ def natural_key(path: Path) -> tuple[tuple[int, str | int], ...]:
 
 
 def in_order(paths: Sequence[Path]) -> list[Path]:
-    """Files in the order of the numbers that are all that tells their names apart.
+    """Return files in the order of the numbers in their names.
 
-    Names that differ in one decimal (``0.05``, ``0.1``; ``scan_-0.5``) are ordered by its value,
-    others by ``natural_key``.
+    Names that differ only in one decimal (``0.05``, ``0.1``; ``scan_-0.5``) are ordered by its
+    value, others by ``natural_key``.
     """
     natural = sorted(paths, key=natural_key)
     decimals = [_DECIMAL.fullmatch(path.stem) for path in natural]
@@ -89,7 +89,7 @@ def time_in_name(name: str) -> float | None:
             return None
         return moment.timestamp() + float(f"0.{match.group(7) or 0}")
     if len(name) in NANOSECONDS and name.isascii() and name.isdigit():
-        return int(name) / 1e9  # of a clock of any beginning
+        return int(name) / 1e9  # of a clock with any epoch
     if match := _EPOCH.search(name):
         seconds = float(".".join(_parts(match)))
         return seconds if EARLIEST < seconds < LATEST else None
@@ -119,7 +119,7 @@ def seconds_in_names(names: Sequence[str]) -> list[float | None]:
 
 
 def times_in_names(paths: Sequence[Path]) -> list[float] | None:
-    """The time in each file's name; None unless every name has one, and most another one."""
+    """Return the time in each file's name, or None unless every name has one and most differ."""
     times = seconds_in_names([path.stem for path in paths])
     known = [time for time in times if time is not None]
     return known if len(known) == len(times) < 2 * len(set(known)) else None
@@ -194,8 +194,8 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
 def lines_of(where: str, what: str, lines: int, names: Sequence[str]) -> Sequence[int]:
     """Return the line of each file: one each in order, or by the numbers that name them.
 
-    A part of a recording (``000100.bin`` …) keeps the lists of the whole.  Raises BadInputError
-    when neither fits.
+    A part of a recording (``000100.bin`` …) may have the lists of the whole.  Raises BadInputError
+    if neither fits.
     """
     if lines == len(names):
         return range(lines)
@@ -240,10 +240,10 @@ def _iso(text: str) -> float | None:
 
 
 def rate_of(times: Sequence[float] | None) -> float | None:
-    """Frames per second of times in the order of the frames; None where it is not clear.
+    """Return the frames per second of times in the order of the frames, or None if unclear.
 
-    The mean of steps that are much alike, else the median: a pause is not a rate.  Equal times and
-    a clock that is set back are no steps, and half of them at most may be so.
+    The rate is from the mean of similar steps, or else from the median, which ignores pauses.
+    Equal and decreasing times are no steps, and may be at most half of all.
     """
     if times is None or len(times) < 2:
         return None
@@ -262,8 +262,8 @@ def rate_of(times: Sequence[float] | None) -> float | None:
 
 
 def assumed_rate(format: str, folder: Path) -> float:
-    """Frames per second where nothing tells them: a spinning scanner's, one scan a second of a
-    scanner on a tripod or an aircraft, else a depth camera's."""
+    """Return the default of frames per second: the rate of spinning scanners, one scan a second for
+    scanners on a tripod or an aircraft, or the rate of depth cameras."""
     if format in SURVEY_FORMATS:
         return SURVEY_FPS
     spins = format in SPINNING_FORMATS or folder.name.lower() in SPINNING_FOLDERS

@@ -1,4 +1,4 @@
-"""Columns without names: what each is, by their number and by what they hold."""
+"""Meanings of columns without names, by their number and values."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ log = logging.getLogger(__name__)
 LABELED = re.compile(r"label|annot|segm|semantic", re.IGNORECASE)
 """Names of files of points with labels."""
 SAMPLE = 100_000
-"""Rows that tell whether a column holds classes."""
+"""Rows that are checked for classes in a column."""
 UNIT = 0.01
 """Greatest distance from 1 of a normal's length."""
 MOSTLY = 0.99
-"""Share of rows that keep to it."""
+"""Least share of rows with this length."""
 LIKER = 0.15
-"""Difference in correlation that tells which columns are colours."""
+"""Least difference in correlation between colour columns and other columns."""
 MANY_SHADES = 32
-"""Different values of a column that is hardly a class."""
+"""Number of different values from which on a column is not a class."""
 
 
 def unnamed(column: int) -> str:
-    """Return the name of the field that a column without a name and a role becomes, from 0."""
+    """Return the field name of a column without name and role; columns are counted from 0."""
     return f"column_{column + 1}"
 
 
 def plain_columns(
     name: str, table: Array, options: ReadOptions, *, intensity_first: bool
 ) -> dict[str, Array]:
-    """Columns of a table (N, 3 or more) that has no names: by their number and values.
+    """Return the columns of a table (N, 3 or more) without names, by their number and values.
 
-    Where a person says their meanings, all of them, called by their numbers.
+    If the user gave their meanings, return all columns, named by their numbers.
     x y z, then an intensity alone; or red green blue; or intensity red green blue, which is tried
     first with ``intensity_first``.  Others (normals, classes) are fields ``column_7`` and so on.
-    A fourth column of few whole numbers in a file called after labels, as ``name`` says, is one.
+    A fourth column of few whole numbers is a label if the file's ``name`` contains such a word.
     """
     width = table.shape[1]
     if options.chosen.columns:
@@ -61,7 +61,7 @@ def plain_columns(
 
 
 def _are_classes(values: Array) -> bool:
-    """Whether a column holds few whole numbers from 0 on, as classes are counted."""
+    """Return whether a column has few whole numbers from 0 on, like classes."""
     shades = np.unique(values[:SAMPLE])
     whole = bool(np.isfinite(shades).all() and (shades >= 0).all() and not np.any(shades % 1))
     return whole and 1 < len(shades) <= MANY_SHADES
@@ -85,8 +85,8 @@ def _name_classes(name: str, table: Array, names: list[str]) -> None:
 def _ends_in_colors(table: Array) -> bool:
     """Return whether columns 5 to 7 are the colours where columns 4 to 6 could be.
 
-    Red, green and blue go together more than an intensity goes with them.  Where that does not
-    tell, a last column that runs over the range of a colour is one, and no class.
+    Red, green and blue correlate with each other more than with an intensity.  If this does not
+    decide, a last column that covers the range of a colour is a colour, not a class.
     """
     rows = table[np.isfinite(table[:, 3:7]).all(axis=1), 3:7].astype(np.float64)
     if len(rows) < 3:
@@ -99,7 +99,7 @@ def _ends_in_colors(table: Array) -> bool:
 
 
 def _likeness(columns: NDArray[np.float64]) -> float:
-    """Mean correlation of neighbouring columns (N, 3); 0 where one of them is constant."""
+    """Return the mean correlation of neighbouring columns (N, 3); 0 if one of them is constant."""
     centred = columns - columns.mean(axis=0)
     spread = np.sqrt((centred**2).mean(axis=0))
     products = (centred[:, :-1] * centred[:, 1:]).mean(axis=0)
@@ -108,15 +108,15 @@ def _likeness(columns: NDArray[np.float64]) -> float:
 
 
 def _are_normals(values: NDArray[Any]) -> bool:
-    """Return whether rows (N, 3) have length 1: colours that are fractions hardly all do."""
+    """Return whether rows (N, 3) have length 1, which colours as fractions hardly ever have."""
     length = np.linalg.norm(values.astype(np.float64), axis=1)
     return bool(np.mean(np.abs(length - 1) < UNIT) > MOSTLY)
 
 
 def _are_colors(values: Array, *, whole: bool = True) -> bool:
-    """Fractions 0..1, or numbers 0..255, ``whole`` ones where other columns could be meant.
+    """Return whether values are fractions 0..1, or numbers 0..255, with ``whole`` only integers.
 
-    Normals have negative parts, so are not taken.
+    Normals have negative components and do not match.
     """
     if values.dtype.kind == "f":
         values = values[np.isfinite(values).all(axis=1)]

@@ -1,1 +1,1 @@
-"""Boxes and marked points that other tools keep of frames; see docs/conventions.md."""
+"""Boxes and marked points of other tools; see docs/conventions.md."""

@@ -1,4 +1,4 @@
-"""Attributes of boxes as words of formats that have no other place for them."""
+"""Attributes of boxes as words, for formats without another place for them."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ def value_of(word: str) -> AttributeValue:
 
 
 def dotted(name: str, value: AttributeValue) -> str:
-    """Write an attribute as nuScenes names one: ``vehicle.parked``."""
+    """Write an attribute in the style of nuScenes: ``vehicle.parked``."""
     return f"{name}.{word_of(value)}"
 
 
 def of_dotted(text: str) -> tuple[str, AttributeValue]:
-    """Read what ``dotted`` wrote; a word without a dot is true."""
+    """Read a text of ``dotted``; a word without a dot is true."""
     name, dot, word = text.partition(".")
     return name, value_of(word) if dot else True
 
@@ -37,6 +37,6 @@ def as_text(attributes: Attributes) -> str:
 
 
 def of_text(text: str) -> dict[str, AttributeValue]:
-    """Read what ``as_text`` wrote; a word without a colon is true."""
+    """Read a text of ``as_text``; a word without a colon is true."""
     parts = [part.partition(":") for part in text.split(",") if part.strip()]
     return {name.strip(): value_of(word.strip()) if colon else True for name, colon, word in parts}

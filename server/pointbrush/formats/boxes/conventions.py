@@ -1,4 +1,4 @@
-"""Conventions of tools for boxes: one description of each, by which it is read and written."""
+"""Conventions of tools for boxes, one description for both reading and writing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _UPRIGHT = ("y", "z")
 class Convention:
     """Place, size and rotation of a tool's boxes, as numbers.
 
-    ``sizes``: which of length, width and height (0, 1, 2) each number of a size is.  ``axes``
+    ``sizes``: for each number of a size, 0, 1 or 2 for length, width or height.  ``axes``
     (3, 3): forward, left and up as columns, in the axes of the tool's object.  ``on_bottom``: the
     place is the middle of the bottom, not the centre.
     """
@@ -109,7 +109,7 @@ CONVENTIONS: Mapping[str, Convention] = MappingProxyType({
     "segments": Convention("xyzw"),
     "waymo": Convention("z"),
 })  # fmt: skip
-"""By tool, or by the form in which it writes; see docs/conventions.md for where each is read."""
+"""By tool, or by the tool's format; docs/conventions.md lists the sources."""
 
 
 def box_by(

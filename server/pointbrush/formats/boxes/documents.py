@@ -20,7 +20,7 @@ def document(path: Path) -> Any:
 
 
 def lines_of_words(path: Path, least: int, most: int | None = None) -> Iterator[list[str]]:
-    """Split the lines of a text, but for empty ones, into ``least`` to ``most`` words each.
+    """Split the lines of a text, except empty ones, into ``least`` to ``most`` words each.
 
     Raises BadInputError for other numbers of words.
     """

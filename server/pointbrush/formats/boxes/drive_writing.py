@@ -34,10 +34,10 @@ VERSION = "v1.0-pointbrush"
 LEVELS = ("v0-40", "v40-60", "v60-80", "v80-100")
 """nuScenes' levels of visibility, 1 to 4."""
 MAP = "maps/none.png"
-"""Picture of a map that the devkit asks for: one pixel, none of it known."""
+"""Picture of a map that the devkit needs: one pixel of an unknown map."""
 MICROSECONDS, NANOSECONDS = 1e6, 1e9
 NEAR = 1e-6
-"""Seconds within which a file's name is the time of its frame."""
+"""Greatest difference in seconds of a file's name from the time of its frame."""
 
 
 def ego_from_source(frame: SceneFrame) -> Floats:
@@ -95,7 +95,7 @@ class _Tables:
         self._instances: dict[int, Record] = {}
 
     def add(self, frame: SceneFrame, T_world_ego: Floats) -> None:
-        """Add a frame as a sample, with a row of data and those of its boxes."""
+        """Add a frame as a sample, with a row of data and the rows of its boxes."""
         token, number = self._scene.token, frame.index
         stamp = {"timestamp": ticks(frame.time, MICROSECONDS)}
         T_ego_source = ego_from_source(frame)
@@ -146,7 +146,7 @@ class _Tables:
         return self._scene.token("attribute", number)
 
     def finished(self) -> dict[str, list[Record]]:
-        """Chain the rows in time, and make the tables of what they name."""
+        """Chain the rows in time, and return them with the tables that they refer to."""
         token, rows = self._scene.token, self.rows
         _chain(rows["sample"], lambda _: "")
         _chain(rows["sample_data"], lambda _: "")
@@ -197,7 +197,7 @@ FIRST_LAST = ("first_annotation_token", "last_annotation_token")
 
 
 def _chain(rows: Iterable[Record], key: Any) -> dict[str, tuple[int, str, str]]:
-    """Name the row before and after each of those of the same key; count and ends of each key."""
+    """Link each row to the previous and next row of its key; return count and ends of each key."""
     last: dict[str, Record] = {}
     ends: dict[str, tuple[int, str, str]] = {}
     for row in rows:
@@ -223,7 +223,7 @@ def ticks(seconds: float, per_second: float) -> int:
 
 
 def stamp_of(frame: SceneFrame) -> int:
-    """Tell a frame's time in nanoseconds, exactly where its file is called by it."""
+    """Return a frame's time in nanoseconds, exactly if its file is named by it."""
     named = int(frame.name) if frame.name.isascii() and frame.name.isdigit() else -1
     return named if abs(named / NANOSECONDS - frame.time) < NEAR else ticks(frame.time, NANOSECONDS)
 
@@ -272,7 +272,7 @@ def _feather(columns: Mapping[str, list[Any]]) -> bytes:
 def write_waymo(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
     """Write ``lidar_box/RECORDING.parquet``, a component of the Waymo Open Dataset, version 2.
 
-    Its classes are vehicle, pedestrian, sign and cyclist; another one is unknown.
+    Its classes are vehicle, pedestrian, sign and cyclist; other classes become unknown.
     """
     import pyarrow as pa
     from pyarrow import parquet

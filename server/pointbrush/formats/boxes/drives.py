@@ -1,4 +1,4 @@
-"""Boxes of data sets of drives, a table each: Argoverse 2, nuScenes, Waymo."""
+"""Boxes of data sets of drives in tables: Argoverse 2, nuScenes, Waymo."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ WAYMO_TYPE = f"{_WAYMO}.type"
 WAYMO_KEYS = ("key.frame_timestamp_micros", "key.laser_object_id")
 WAYMO_TYPES = {0: "unknown", 1: "vehicle", 2: "pedestrian", 3: "sign", 4: "cyclist"}
 SCANNER = "LIDAR_TOP"
-"""Folder of nuScenes' sweeps, in whose coordinates its boxes come."""
+"""Folder of nuScenes' sweeps, which define the coordinates of its boxes."""
 
 
 def read_argoverse(path: Path) -> Iterator[FrameBoxes]:
@@ -57,9 +57,9 @@ def read_argoverse(path: Path) -> Iterator[FrameBoxes]:
 def read_nuscenes_boxes(path: Path) -> Iterator[FrameBoxes]:
     """Read ``sample_annotation.json``, a row for each object and sample, by the other tables.
 
-    The boxes are the world's; they come in the coordinates of the scanner at the sample's key
-    frame, by its time.  Raises BadInputError for missing tables, KeyError for rows that lack
-    values.
+    The file's boxes are in world coordinates; they are returned in the coordinates of the scanner
+    at the sample's key frame, by its time.  Raises BadInputError for missing tables, KeyError for
+    rows that lack values.
     """
     tables = tables_in(path.parent)
     category, instance, attribute, visibility = (

@@ -41,7 +41,7 @@ def labelcloud_format(path: Path) -> str:
 
 
 def _in_radians(path: Path, entries: Any) -> bool:
-    """Tell whether angles are radians: as stated, else by negative ones (degrees are 0 to 360)."""
+    """Return whether angles are radians: as stated, else if any is negative (degrees: 0 to 360)."""
     stated = labelcloud_format(path)
     if stated.startswith("centroid"):
         return stated == "centroid_rel"
@@ -73,7 +73,7 @@ def read_sustechpoints(path: Path) -> Iterator[FrameBoxes]:
 
 
 def read_xtreme1(path: Path) -> Iterator[FrameBoxes]:
-    """Read Xtreme1's results of a frame: objects of several sources; those of images are left."""
+    """Read Xtreme1's results of a frame: objects of several sources, without objects of images."""
     content = document(path)
     boxes = []
     for source in content if isinstance(content, list) else [content]:

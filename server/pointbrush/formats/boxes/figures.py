@@ -1,4 +1,4 @@
-"""Boxes and marked points of frames, as labels made elsewhere have them."""
+"""Boxes and marked points of frames in labels of other tools."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from pointbrush.oriented_box import Attributes
 Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)
 MOST_NUMBER = 10**9
-"""Numbers of objects above which a key is a word."""
+"""Greatest object number; a key above it is treated as a word."""
 GROUND_REACH = 1.0
-"""Metres round a box within which its ground is looked for."""
+"""Metres round a box in which its ground is searched."""
 GROUND_ABOVE = 0.2
 """Metres above the ground's level that are ground too."""
 GROUND_SHARE = 0.1
-"""Quantile of the heights round a box that is the ground's level."""
+"""Quantile of the heights round a box that gives the ground's level."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,8 +30,8 @@ class FrameBox:
     """A box of an object in a frame, in the coordinates of the points.
 
     ``center`` (3,) and ``size`` (3,) length, width and height, metres; ``rotation`` (3, 3) its
-    axes forward, left and up as columns; ``key`` tells its object in all frames, "" where nothing
-    does; ``label`` is the id of the label of ours that it is of, 0 for others.
+    axes forward, left and up as columns; ``key`` identifies its object in all frames, "" if it is
+    unknown; ``label`` is the id of its pointbrush label, 0 for boxes of other tools.
     """
 
     name: str
@@ -42,10 +42,10 @@ class FrameBox:
     label: int = 0
     attributes: Attributes = field(default_factory=dict)
     margin: float = 0.0
-    """Metres beyond its faces that are inside too, where its numbers are rounded."""
+    """Metres beyond its faces that count as inside, for boxes with rounded numbers."""
 
     def __post_init__(self) -> None:
-        """Write out characters that no name may hold, and compose others."""
+        """Write out characters that names must not contain, and compose others."""
         object.__setattr__(self, "name", spelled_out(self.name))
 
     def moved_back(self, T_boxes_points: Floats) -> FrameBox:
@@ -72,7 +72,7 @@ class FrameBox:
 class PointFigure:
     """Points of an object: ``rows`` (n,) of the frame's file; ``name`` and ``key`` as of a box.
 
-    ``total``: points of that file, 0 where the labels do not tell.
+    ``total``: number of points of that file, 0 if the labels do not state it.
     """
 
     name: str
@@ -82,7 +82,7 @@ class PointFigure:
     total: int = 0
 
     def __post_init__(self) -> None:
-        """Write out characters that no name may hold, and compose others."""
+        """Write out characters that names must not contain, and compose others."""
         object.__setattr__(self, "name", spelled_out(self.name))
 
 
@@ -93,9 +93,9 @@ Figure = FrameBox | PointFigure
 class FrameBoxes:
     """Boxes and marked points of a frame.
 
-    ``frame`` is its index or its name; where it is None, ``time`` (seconds) tells it, or the name
-    of the file.  ``numbered``: the index is a number in a whole drive, of which the recording may
-    be a part.
+    ``frame`` is its index or its name; if it is None, ``time`` (seconds) identifies the frame, or
+    the name of the file.  ``numbered``: the index is a number in a whole drive, of which the
+    recording may be a part.
     """
 
     frame: int | str | None
@@ -116,8 +116,8 @@ class FrameBoxes:
 def with_one_name(found: Sequence[Sequence[FrameBoxes]]) -> list[list[FrameBoxes]]:
     """Give each object that has several names the most frequent of them, and warn of it.
 
-    A key tells its object whatever the class.  Keys that a frame has twice, as where each class or
-    file counts for itself, keep their names.
+    A key identifies its object, independent of the class.  Keys that occur twice in a frame, for
+    example because each class or file counts separately, keep their names.
     """
     names: dict[str, Counter[str]] = defaultdict(Counter)
     times: Counter[tuple[int | str | None, str]] = Counter()
@@ -145,8 +145,8 @@ def in_metres(
 ) -> list[list[FrameBoxes]]:
     """Scale boxes that are in the units of a recording's files, ``scale`` metres each.
 
-    They are where more of them lie between ``lo`` and ``hi`` (3,), the recording's bounds, than do
-    as they are.
+    They are scaled if this moves more of them between ``lo`` and ``hi`` (3,), the recording's
+    bounds.
     """
     boxes = [
         box for file in found for part in file for box in part.boxes if isinstance(box, FrameBox)
@@ -163,8 +163,8 @@ def in_metres(
 
 
 def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:
-    """Number the objects of figures by their keys: a key that is a number keeps it, others get
-    those that are left, in the order in which they come; "" is 0."""
+    """Number the objects of figures by their keys: a numeric key keeps its number, other keys get
+    the free numbers in the order of the figures; "" is 0."""
     keys = list(dict.fromkeys(figure.key for figure in figures))
     numbers = {
         key: int(key) for key in keys if key.isascii() and key.isdigit() and 0 < len(key) < 10
@@ -183,10 +183,10 @@ def instance_numbers(figures: Iterable[Figure]) -> dict[str, int]:
 def points_of(
     boxes: tuple[FrameBox, ...], xyz: Floats, up: Floats, *, no_ground: bool
 ) -> NDArray[np.int64]:
-    """Find the box (N,) that each point is in, -1 for none; of several the one of nearer centre.
+    """Find the box (N,) of each point, -1 for none; of several boxes, the one with nearer centre.
 
-    ``up`` (3,) points away from the floor; with ``no_ground`` what is near the lowest points
-    round a box is left out.
+    ``up`` (3,) points away from the floor; ``no_ground`` leaves out points near the lowest ones
+    round a box.
     """
     which = np.full(len(xyz), -1, np.int64)
     nearest = np.full(len(xyz), np.inf)
@@ -210,7 +210,7 @@ def _ground(box: FrameBox, xyz: Floats, up: Floats) -> NDArray[np.bool_]:
         return np.zeros(len(xyz), np.bool_)
     level = float(np.quantile(height[near], GROUND_SHARE))
     bottom = float(box.center @ up) - float(np.abs(box.rotation.T @ up) @ box.size) / 2
-    # Where there is no ground below it the lowest points are the object's own.
+    # Without ground below the box, the lowest points belong to the object.
     if level > bottom + 2 * GROUND_ABOVE:
         return np.zeros(len(xyz), np.bool_)
     return np.asarray(height < level + GROUND_ABOVE)

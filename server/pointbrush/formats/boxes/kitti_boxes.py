@@ -25,7 +25,7 @@ IGNORED = "dontcare"
 OBJECT_WORDS = 15
 """Values of a line of KITTI's object labels."""
 TRACKING_WORDS = 17
-"""Values of a line of KITTI's tracking labels: frame and track, then those of an object."""
+"""Values of a line of KITTI's tracking labels: frame and track, then the values of an object."""
 ATTRIBUTES = {"truncated": 1, "occluded": 2}
 """Attributes by the places of their words in an object's line."""
 MOST_TRUNCATED = 2
@@ -43,7 +43,7 @@ def read_kitti_object(path: Path) -> Iterator[FrameBoxes]:
     """
     untransformed = labelcloud_format(path) == "kitti_untransformed"
     tool = "kitti-untransformed" if untransformed else "kitti"
-    # The converter from Waymo adds the camera and the object's key.
+    # The converter of Waymo's data adds the camera and the object's key.
     boxes = tuple(
         _box(tool, words, words[16] if len(words) > 16 else "")
         for words in _lines(path, OBJECT_WORDS)
@@ -57,7 +57,7 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
     T_cam_velo = _camera_from_velodyne(path)
     frames: dict[int, list[FrameBox]] = {}
     for words in _lines(path, TRACKING_WORDS):
-        # A track keeps its number, but 0, which is no instance: it gets one that is left.
+        # A track keeps its number, except 0, which means no instance: it gets a free number.
         box = _box("kitti", words[2:], words[1] if int(words[1]) >= 0 else "", MOST_TRUNCATED)
         frames.setdefault(int(words[0]), []).append(box)
     for frame, boxes in sorted(frames.items()):
@@ -65,7 +65,7 @@ def read_kitti_tracking(path: Path) -> Iterator[FrameBoxes]:
 
 
 def _lines(path: Path, count: int) -> Iterator[list[str]]:
-    """Split the lines into words; those of regions that nobody labelled are left out."""
+    """Split the lines into words, without the lines of unlabelled regions."""
     for words in lines_of_words(path, count):
         if words[count - OBJECT_WORDS].lower() != IGNORED:
             yield words
@@ -86,8 +86,8 @@ def _box(tool: str, words: list[str], key: str, most_truncated: float = 1.0) -> 
 def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:
     """Read tracklets, in the scanner's coordinates.
 
-    KITTI's have length, width and height along x, y and z, and the middle of the bottom; CVAT's
-    have its sizes along x, y and z as ``w``, ``h`` and ``l``, and the centre.
+    Tracklets of KITTI have length, width and height along x, y and z, and the middle of the bottom;
+    tracklets of CVAT have sizes along x, y and z as ``w``, ``h`` and ``l``, and the centre.
     """
     root = _tracklets(path)
     names = _frame_names(path)

@@ -1,4 +1,4 @@
-"""Boxes as KITTI's text: object and tracking, with the calibration that they are in."""
+"""Boxes as KITTI's text: object and tracking, with the calibration of their coordinates."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ NEAR = 0.1
 NO_PICTURE = (-1.0, -1.0, -1.0, -1.0)
 UNKNOWN_ALPHA = -10.0
 UNKNOWN_TRUNCATION = -1.0
-"""The devkits' ``writeLabels.m`` writes it for an object without a truncation."""
+"""Value that the devkits' ``writeLabels.m`` writes for an object without a truncation."""
 PARTLY_TRUNCATED = 0.5
-"""Share outside the picture above which tracking's text says "largely"."""
+"""Share outside the picture above which the truncation of tracking's text is "largely"."""
 SIGNS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 EDGES = [(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1]
 
@@ -132,7 +132,7 @@ def write_kitti_tracking(frames: Iterable[SceneFrame], _: Scene) -> Iterator[Fil
 def _object(box: FrameBox, camera: _Rectified, *, levels: bool = False) -> str:
     """Write type, truncated, occluded, alpha, picture, h w l, place and angle of a box.
 
-    ``levels``: how much is truncated is a level, 0 to 2.  Unknown values are those of the devkits.
+    ``levels``: the truncation is a level, 0 to 2.  Unknown values are written as by the devkits.
     """
     moved = box.moved(camera.T_rect_source)
     picture, outside = camera.picture_of(moved)

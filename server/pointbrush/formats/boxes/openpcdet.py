@@ -1,4 +1,4 @@
-"""Boxes of OpenPCDet's custom datasets, our own export among them."""
+"""Boxes of OpenPCDet's custom datasets, including our own export."""
 
 from __future__ import annotations
 

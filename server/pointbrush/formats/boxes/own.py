@@ -11,7 +11,7 @@ from pointbrush.formats.boxes.documents import document, vector
 from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
 
 MARGIN = 1e-6
-"""Metres beyond the faces of a box of ours, on which its outermost points lie."""
+"""Metres beyond the faces of our boxes, because their outermost points lie on the faces."""
 
 
 def read_own(path: Path) -> Iterator[FrameBoxes]:

@@ -1,4 +1,4 @@
-"""Labels of projects: Supervisely's, which CVAT writes too, and CVAT's Datumaro 3D."""
+"""Labels of projects: Supervisely (also written by CVAT), CVAT's Datumaro 3D, Segments.ai."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def read_datumaro(path: Path) -> Iterator[FrameBoxes]:
 
 
 def _stated(attributes: Mapping[str, Any]) -> dict[str, AttributeValue]:
-    """Keep the attributes that somebody has chosen, numbers as float."""
+    """Keep the attributes that differ from the defaults, numbers as float."""
     told = {
         name: value if isinstance(value, str | bool) else float(value)
         for name, value in attributes.items()
@@ -95,7 +95,7 @@ def read_segments(path: Path) -> Iterator[FrameBoxes]:
     """Read cuboids and labels of points of a release of Segments.ai: sequences, and samples of one
     frame.
 
-    Without a quaternion a box turns about z by its yaw.  Samples without labels are passed over.
+    Without a quaternion a box turns about z by its yaw.  Samples without labels are skipped.
     Raises BadInputError for a sequence among other samples.
     """
     dataset = document(path)["dataset"]
@@ -122,7 +122,7 @@ def read_segments(path: Path) -> Iterator[FrameBoxes]:
 
 
 def _of_lidar(file: str, attributes: Any) -> Any:
-    """Return the attributes of the one sensor of points, where several sensors have theirs."""
+    """Return the attributes of the only sensor of points if several sensors have attributes."""
     if "sensors" not in attributes:
         return attributes
     found = [s for s in attributes["sensors"] if str(s["task_type"]).startswith("pointcloud")]

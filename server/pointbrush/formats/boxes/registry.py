@@ -1,4 +1,4 @@
-"""Formats of boxes: how their files are told apart, and their readers."""
+"""Formats of boxes: recognition of their files, and their readers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pointbrush.formats.boxes.own import read_own
 from pointbrush.formats.boxes.projects import read_datumaro, read_segments, read_supervisely
 
 START = 1 << 16
-"""Bytes of a file by which its format is told."""
+"""Bytes of a file that are searched for marks of its format."""
 _NUMBER = r"-?[\d.]+(?:[eE][-+]?\d+)?"
 _OBJECT = rf"\S+(?: {_NUMBER}){{14}}(?: \S+){{0,2}}"
 
@@ -71,7 +71,7 @@ def read_boxes(path: Path, format: str) -> list[FrameBoxes]:
 
 
 def is_box_file(path: Path, format: str) -> bool:
-    """Tell whether a file is of a format of boxes, by its name and its first bytes."""
+    """Return whether a file is of a format of boxes, by its name and its first bytes."""
     known = BOX_READERS[format]
     if not path.name.lower().endswith(known.ending):
         return False

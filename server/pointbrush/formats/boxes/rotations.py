@@ -27,11 +27,11 @@ def euler_matrix(angles: Floats, order: Order) -> Floats:
 
 
 def euler_angles(rotation: Floats, order: Order) -> Floats:
-    """Compute the angles (3,) about x, y and z whose ``euler_matrix`` is ``rotation`` (3, 3).
+    """Compute the angles (3,) about x, y and z that give ``rotation`` (3, 3) by ``euler_matrix``.
 
-    Where y is a quarter turn, only the sum of the others is known: the last one to turn is 0.
+    If y is a quarter turn, only the sum of the others is known: the last one to turn is 0.
     """
-    # The factors of the transpose are the reverse ones, each turned back.
+    # The transpose has the inverse factors in reverse order.
     R = rotation if order == "zyx" else rotation.T
     across = float(np.hypot(R[2, 1], R[2, 2]))
     y = np.arctan2(-R[2, 0], across)
@@ -45,7 +45,7 @@ def euler_angles(rotation: Floats, order: Order) -> Floats:
 def upright_axes(up: NDArray[np.floating]) -> Floats:
     """Make ``R_upright_source`` (3, 3): rows forward, left, up; the identity for z up.
 
-    Where z is not the vertical it is forward, as of a camera (x right, y down, z ahead).
+    If z is not vertical, it is forward, as for a camera (x right, y down, z ahead).
     """
     vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
     aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]

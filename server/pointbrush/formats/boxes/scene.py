@@ -1,4 +1,4 @@
-"""Boxes of a recording on their way to files, and objects made of the boxes of frames."""
+"""Boxes of a recording for writers, and objects made of the boxes of frames."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ Floats = NDArray[np.float64]
 DIGITS = 8
 """Hexadecimal digits of a token that are the number of a label or a frame."""
 SAME_SIZE = 1e-3
-"""Metres by which sizes of one box may differ in its frames without a word."""
+"""Metres by which sizes of one box may differ in its frames without a warning."""
 HEADING = "heading_known"
-"""Attribute of a box in files; they have it, and it is False, where the heading is unknown."""
+"""Attribute of a box in files, present with the value False if the heading is unknown."""
 File = tuple[str, bytes]
 """Name and content of a file of an export."""
 
@@ -63,13 +63,13 @@ class SceneFrame:
         return f"{self.index:06d}"
 
     def counted(self) -> Iterator[tuple[FrameBox, int]]:
-        """Yield each box with the points in it, 0 where nobody counted."""
+        """Yield each box with its number of points, 0 if they were not counted."""
         yield from zip(self.boxes, self.points or [0] * len(self.boxes), strict=True)
 
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Id and classes of a recording, with their colours ``#rrggbb``, as files say them."""
+    """Id and classes of a recording, with their colours ``#rrggbb``."""
 
     recording: str
     classes: Mapping[str, str]
@@ -121,10 +121,10 @@ def _known(attributes: Attributes) -> Attributes:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BoxTrack:
-    """An object of boxes of frames: ``name``, ``key``, ``label`` and ``heading_known`` as theirs.
+    """An object of boxes of frames, with their ``name``, ``key``, ``label`` and ``heading_known``.
 
-    ``resized``: its boxes have other sizes in other frames; ``size`` is the median.  ``first`` is
-    one of them.
+    ``resized``: its boxes differ in size between frames; ``size`` is the median.  ``first`` is one
+    of the boxes.
     """
 
     name: str
@@ -156,7 +156,7 @@ def tracked(frames: Iterable[tuple[int, Sequence[FrameBox]]]) -> list[BoxTrack]:
         for box in boxes:
             alike = (box.name, box.key, box.label)
             if box.key:
-                # An object has one box in a frame: another one is another's.
+                # An object has one box in a frame: a second box belongs to another object.
                 number = seen[alike] = seen.get(alike, -1) + 1
             else:
                 single += 1

@@ -34,7 +34,7 @@ def _parts(tool: str, box: FrameBox, names: Iterable[str]) -> dict[str, dict[str
 
 
 def write_labelcloud(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
-    """Write ``labels/NAME.json`` of each frame, and ``_classes.json``, which says degrees."""
+    """Write ``labels/NAME.json`` of each frame, and ``_classes.json``, which states degrees."""
     for frame in frames:
         objects = []
         for box in frame.boxes:
@@ -68,7 +68,7 @@ def write_sustechpoints(frames: Iterable[SceneFrame], _: Scene) -> Iterator[File
 
 
 def write_datumaro(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
-    """Write ``annotations/default.json``: cuboids of items that are called as the frames."""
+    """Write ``annotations/default.json``: cuboids of items with the names of the frames."""
     names = list(scene.classes)
     items = []
     for frame in frames:
@@ -147,7 +147,7 @@ def _meta(scene: Scene, objects: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def write_segments(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
-    """Write ``release.json`` as Segments.ai's releases are: one sample, a sequence of cuboids."""
+    """Write ``release.json`` like a release of Segments.ai: one sample, a sequence of cuboids."""
     names = list(scene.classes)
     entries, files = [], []
     for index, frame in enumerate(frames):

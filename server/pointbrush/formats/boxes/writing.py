@@ -1,4 +1,4 @@
-"""Formats in which boxes are written: their writers, and what each cannot hold."""
+"""Formats in which boxes are written: their writers and losses."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class BoxWriting:
     """A format of boxes that is written.
 
     ``read_as``: the format that reads it, and a pattern of its files; ``convention`` of its
-    numbers; ``lost``: what of boxes it cannot hold, beside the tilt.  ``level``: its boxes are in
-    the axes of the level, forward, left and up, about the source's origin.
+    numbers; ``lost``: properties of boxes that it cannot hold, other than the tilt.  ``level``: its
+    boxes are in level axes, forward, left and up, about the source's origin.
     """
 
     title: str

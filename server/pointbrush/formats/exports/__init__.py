@@ -1,4 +1,4 @@
-"""Labelled frames written to files: one exporter per format, whole or not at all."""
+"""Export of labelled frames to files, atomic, with one exporter per format."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ class Export:
     """An export format: ``write`` puts frames and palette into an Output.
 
     ``title`` and ``content`` are shown to users; ``cannot_hold`` lists the properties of points and
-    labels that the format loses.  ``export.json`` contains the result of ``write``.  ``endings``
-    are those of a single file that holds one frame, if the format has such files.  ``masks``:
-    deleted points are left out, and a mask beside the frame marks them.
+    labels that the format loses.  ``export.json`` contains the result of ``write``.  ``endings``:
+    endings of a single file that holds one frame, if the format has such files.  ``masks``: deleted
+    points are left out, and a mask beside the frame marks them.
     """
 
     name: str
@@ -55,7 +55,7 @@ class Export:
     masks: bool = True
     purpose: Purpose = "points with labels"
     numbering: Numbering | None = None
-    """Numbers that its files have for classes; None: those of the workspace."""
+    """Numbers of classes in its files; None: the workspace's numbers."""
     splits: bool = False
     """Its frames are split into training and validation."""
     whole_boxes: bool = False
@@ -66,17 +66,17 @@ class Export:
 
     @property
     def classes(self) -> bool:
-        """Whether its files give objects a class: a label without a category becomes a class."""
+        """Whether objects in its files have a class: a label without a category becomes a class."""
         return self.numbering is not None or self.whole_boxes or self.write is boxes.write_boxes
 
     @property
     def read_as(self) -> tuple[str, str]:
-        """The format of labels as which it is read, and a pattern of the files that have them."""
+        """The format for reading its labels, and a pattern of the files with labels."""
         return self.labels or ("points", f"*{self.endings[0]}")
 
 
 GAPS = "gaps.json"
-"""In a streamed export: which frames are missing, and why; absent when none is."""
+"""In a streamed export: the missing frames and the reasons; absent if no frame is missing."""
 
 _PROVENANCE = "provenance"
 _FIELDS = "other point fields"
@@ -218,14 +218,14 @@ def export(
 ) -> None:
     """Write frames and palette to a new folder, a .zip, a single file, or a stream (as zip).
 
-    Points are in source order, deleted ones left out.  Written beside the target and renamed
-    when whole: nothing is half-written.  Raises BadInputError for an unknown format, a folder
-    that is not empty, or a single file for several frames.
+    Points are in source order, deleted ones left out.  The export is written beside the target and
+    renamed when it is complete.  Raises BadInputError for an unknown format, a folder that is not
+    empty, or a single file for several frames.
 
     A damaged frame raises DamagedError, unless there is a list of ``gaps``, for a stream that has
-    begun: what is missing is told there, by ``frames`` too, and written as ``gaps.json``.
-    ``numbers`` are the categories' numbers by name; without them they are counted.  ``datasets``
-    are the numbers that they have in each dataset.
+    begun: missing frames are added to it, by ``frames`` as well, and written as ``gaps.json``.
+    ``numbers``: the categories' numbers by name; without them, categories are counted.
+    ``datasets``: the categories' numbers in each dataset.
     """
     if format not in EXPORTS:
         raise BadInputError(f"format: expected one of {', '.join(EXPORTS)}, got {format!r}")

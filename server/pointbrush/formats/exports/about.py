@@ -1,4 +1,4 @@
-"""The file ``export.json``: format, files by frame, and what the format cannot hold."""
+"""The file ``export.json``: format, files by frame, and losses of the format."""
 
 from __future__ import annotations
 
@@ -16,22 +16,21 @@ from pointbrush.formats.table import Table
 NAME = "export.json"
 CLASSES = "classes.json"
 TIMES = "times"
-"""Key of the seconds of frames, by which rows of tables are of them."""
+"""Key of the seconds of frames, which match the rows of tables to frames."""
 PLACEMENT = "T_export_source"
-"""Key of the rows of (4, 4) that place the source's points in the export."""
+"""Key of the rows of the transform (4, 4) from source to export coordinates."""
 VERSION = 1
 ROW = "row"
 """Field of a cut's points: the number of each in its frame."""
 DELETED = "deleted"
-"""Folder of the masks (N,) bool over the points of frames of which some are left out; key of their
-names."""
+"""Folder of the masks (N,) bool of deleted points, and key of the masks' names."""
 
 
 class FrameLog:
-    """An Output that notes which files are written while each frame is at work.
+    """An Output that records the files that are written during each frame.
 
-    ``masks``: write the mask of deleted points of a frame that has some, as the format itself
-    holds the other points alone.
+    ``masks``: write the mask of a frame's deleted points, if any, because the format itself only
+    holds the other points.
     """
 
     def __init__(self, output: Output, *, masks: bool) -> None:
@@ -49,7 +48,7 @@ class FrameLog:
         return self._output.file(name)
 
     def frames(self, frames: Iterable[ExportFrame]) -> Iterator[ExportFrame]:
-        """Pass frames on, each with a list of files of its own."""
+        """Yield the frames, each with a new list of files."""
         for frame in frames:
             self._current = self.files.setdefault(frame.index, [])
             yield frame
@@ -78,7 +77,7 @@ def write_about(
     cannot_hold: Sequence[str],
     more: Mapping[str, Any],
 ) -> None:
-    """Write ``export.json``; ``log`` has seen all frames, ``more`` is what the format tells."""
+    """Write ``export.json``; ``log`` has seen all frames, ``more``: the format's own entries."""
     document = {
         "format": format,
         "version": VERSION,

@@ -22,7 +22,7 @@ MAX_EDGES = 360
 
 FILE = "boxes.json"
 VISIBLE = "visible"
-"""Extent of these boxes: they end where the points end, whatever the object's size is."""
+"""Extent of these boxes: they enclose the visible points, not the whole object."""
 
 
 def write_boxes(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> dict[str, str]:
@@ -89,7 +89,7 @@ def _kitti(frame: ExportFrame, label: int, category: str, box: Box) -> str:
     axes: NDArray[np.float64] = upright_axes(frame.up)
     forward, left, up = axes @ box.center
     length, width, height = box.size
-    # KITTI gives the middle of the bottom face, and turns about the axis that points down.
+    # KITTI uses the middle of the bottom face, and a rotation about the axis that points down.
     location = -left, -(up - height / 2), forward
     turn = (-box.yaw - np.pi / 2 + np.pi) % (2 * np.pi) - np.pi
     kind = "".join(c if c.isalnum() else "_" for c in category) or "Misc"
@@ -152,7 +152,7 @@ def _smallest_rectangle(flat: Matrix) -> tuple[float, Matrix, Matrix]:
     edges = edges[:: len(edges) // MAX_EDGES + 1] if len(edges) else np.array([[1.0, 0.0]])
     angles = np.arctan2(edges[:, 1], edges[:, 0])
     extents = [(corners @ _turn(angle)) for angle in angles]
-    # Points on a line have no area at any angle along it: the sum of the sides decides then.
+    # Points on a line have no area at angles along it: then the sum of the sides decides.
     sides = [np.ptp(turned, axis=0) for turned in extents]
     best = int(np.argmin([side[0] * side[1] + 1e-9 * side.sum() for side in sides]))
     yaw = float(angles[best]) + (np.pi / 2 if sides[best][1] > sides[best][0] else 0.0)

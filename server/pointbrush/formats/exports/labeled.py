@@ -30,11 +30,11 @@ class PaletteEntry(Protocol):
 
     @property
     def name(self) -> str:
-        """Shown to people."""
+        """Displayed name."""
 
     @property
     def category(self) -> str:
-        """Class of which it is an instance; "" where it stands for itself."""
+        """Class of the label, "" if the label is a class of its own."""
 
     @property
     def color(self) -> str:
@@ -42,15 +42,15 @@ class PaletteEntry(Protocol):
 
     @property
     def instance(self) -> int | None:
-        """Its number where it came from, 0 for a class without instances; None: nowhere."""
+        """Its number in the source, 0 for a class without instances; None without a source."""
 
 
 @dataclass(frozen=True, slots=True)
 class Split:
     """Split of a recording's frames for training.
 
-    ``val`` (validation) are frames by index, the others are "train"; ``by`` tells people what
-    chose them.
+    ``val`` (validation) are frames by index, the others are "train"; ``by`` describes the choice
+    for users.
     """
 
     val: range = range(0)
@@ -76,10 +76,10 @@ class LabeledFrame:
     """Frame ``index`` of a sequence, or a block of it, with its annotation in source order.
 
     ``label`` (N,) uint16, 0 = unlabeled; ``provenance`` (N,) uint8; ``deleted`` (N,) bool;
-    ``tracks`` the frame's track states as the tracks call lists them; ``up`` (3,) points away
-    from the floor in source coordinates; ``other`` further fields of the source (N,), ``header``
-    its header.  ``rows`` (N,) of the source that the points were, or None: all; ``dropped`` the
-    number of others.
+    ``tracks`` the frame's track states as in the tracks call; ``up`` (3,) points away from the
+    floor in source coordinates; ``other`` further fields of the source (N,), ``header`` its header.
+    ``rows`` (N,): the points' rows in the source, or None: all rows; ``dropped``: number of other
+    rows.
     Raises BadInputError when lengths differ.
     """
 
@@ -98,7 +98,7 @@ class LabeledFrame:
     """Id of the recording that the frame is of."""
     split: Split = Split()
     boxes: SceneFrame | None = None
-    """The frame with the boxes of its labels, for formats that write those."""
+    """The frame with the boxes of its labels, for formats that write boxes."""
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -128,7 +128,7 @@ class LabeledFrame:
         return sizes_of(self.label, self.deleted)
 
     def blocks(self) -> Iterator[LabeledFrame]:
-        """Itself."""
+        """Yield the frame itself."""
         yield self
 
     @property
@@ -139,7 +139,7 @@ class LabeledFrame:
 
 @dataclass(frozen=True, eq=False)
 class BlockedFrame:
-    """A frame too large for memory: ``read`` gives its blocks, anew at each call.
+    """A frame too large for memory: each call of ``read`` returns its blocks.
 
     ``count`` points, ``kept`` of them not deleted; ``sizes`` as ``sizes_of``; the rest as of a
     LabeledFrame.
@@ -165,19 +165,19 @@ class BlockedFrame:
         return stem_of(self.index)
 
     def blocks(self) -> Iterator[LabeledFrame]:
-        """The points in order, in one block or more; anew at each call."""
+        """Return the points in order, in one block or more; can be called repeatedly."""
         return self.read()
 
 
 ExportFrame = LabeledFrame | BlockedFrame
-"""A frame on its way to files, whole or in blocks of consecutive source points."""
+"""A frame to write, whole or in blocks of consecutive source points."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DatasetNumbers:
     """By label id, (65536,): a dataset's number of its ``category`` and of the ``instance``.
 
-    ``plain``: a class without instances, whose points may each have the instance of their source.
+    ``plain``: a class without instances; its points may have the instances of their source.
     """
 
     category: NDArray[np.uint16]
@@ -194,8 +194,8 @@ def _free_instance(wish: int, taken: Collection[int]) -> int:
 class Palette:
     """The labels with category numbers and instances within each.
 
-    ``numbers`` are those of the workspace by a category's name; without them 1, 2, … by first
-    label.  A label without category is a category of its own, called as it is.
+    ``numbers``: the workspace's numbers by category name; without them 1, 2, … by first label.
+    A label without category is a category with the label's name.
     """
 
     def __init__(
@@ -204,7 +204,7 @@ class Palette:
         numbers: Mapping[str, int] | None = None,
         datasets: Mapping[str, Mapping[str, int]] | None = None,
     ) -> None:
-        """``datasets`` are the numbers that categories have in each dataset, by name."""
+        """``datasets``: numbers of categories by name in each dataset."""
         self._datasets = datasets or {}
         self.entries = sorted(entries, key=lambda entry: entry.id)
         self.categories: dict[str, int] = {}
@@ -228,16 +228,16 @@ class Palette:
         return self._instance[label]
 
     def numbers_in(self, numbering: Numbering) -> dict[str, int]:
-        """The number of each category in a numbering, those of the workspace first."""
+        """Return the number of each category in a numbering, the workspace's categories first."""
         numbers = numbering.completed(self._datasets.get(numbering.name, {}), self.categories)
         return {name: numbers[name] for name in self.categories if name in numbers}
 
     def of_dataset(self, dataset: str) -> DatasetNumbers:
         """Each label's class and instance in a dataset's files.
 
-        A category that the dataset does not know has a number by ``numbering_of``, 0 where none is
-        free.  A label that came from nowhere has its id as instance, or where another one of its
-        class has that, the greatest that is free.  The same applies to a source instance that
+        A category that the dataset does not have gets a number by ``numbering_of``, 0 if none is
+        free.  A label without a source gets its id as instance, or, if another label of its class
+        has this instance, the greatest free one.  The same applies to a source instance that
         another label has, after a merge of classes.
         """
         mine = self.numbers_in(numbering_of(dataset))
@@ -262,7 +262,7 @@ class Palette:
         return DatasetNumbers(category, instance, plain)
 
     def document(self) -> dict[str, Any]:
-        """The palette as it lies beside exports."""
+        """Return the palette as it is stored with exports."""
         known = {name: self.of_dataset(name) for name in {*self._datasets, SEMANTIC_KITTI.name}}
         labels = [
             {
@@ -290,14 +290,14 @@ class Palette:
 
 
 def category_of(entry: PaletteEntry) -> str:
-    """The category of a label; its own name where it has none."""
+    """Return the category of a label, or its name without one."""
     return entry.category or entry.name
 
 
 def point_table(frame: ExportFrame, palette: Palette, *, stored: bool = False) -> Table:
     """The points that are not deleted, as ``point_columns``, and the source's further fields.
 
-    ``stored``: fields as the source stores them, called by ``stored_name``.
+    ``stored``: fields as stored in the source, with names by ``stored_name``.
     """
 
     def columns(block: LabeledFrame) -> dict[str, Array]:
@@ -316,7 +316,7 @@ def other_columns(
 ) -> dict[str, Array]:
     """Return the source's further fields of the points ``keep``, in order and type.
 
-    One that is called as a field of ours is called ``source_…``: neither takes the other's place.
+    A field with the name of a pointbrush field is renamed to ``source_…``, so that both are kept.
     """
     scalings = {} if frame.header is None else scalings_of(frame.header)
     reserved = {name.lower() for name in ours} | {"rgb", "rgba"}

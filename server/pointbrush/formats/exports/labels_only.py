@@ -1,4 +1,4 @@
-"""Labels without points: one value for every row of the source, so that they fit its files."""
+"""Labels without points: one value for every row of the source's files."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Layers = dict[str, NDArray[Any]]
 def write_labels_only(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
     """``label/NNNNNN.npy`` uint16 (0 where deleted), ``provenance/`` uint8, ``deleted/`` bool.
 
-    Rows of invalid points, which an import left out, are there too, without a label.
+    Rows of invalid points, which the import left out, are included without a label.
     ``manifest.json`` has the counts, and size and SHA-256 of each file.
     """
     told: list[dict[str, Any]] = []
@@ -67,7 +67,7 @@ def write_labels_only(frames: Iterable[ExportFrame], palette: Palette, output: O
 
 
 class _Hashed:
-    """Passes bytes on to a file, counts them and makes their SHA-256."""
+    """Writes bytes to a file, counts them and computes their SHA-256."""
 
     def __init__(self, file: BinaryIO) -> None:
         self._file, self._hash, self.count = file, hashlib.sha256(), 0
@@ -83,7 +83,7 @@ class _Hashed:
 
 
 def _blocks(frame: ExportFrame) -> Iterator[Layers]:
-    """Layers of the source's rows, block by block; rows of no point are 0."""
+    """Yield layers of the source's rows, block by block; rows without a point are 0."""
     if frame.rows is None:
         yield from map(_layers, frame.blocks())
         return

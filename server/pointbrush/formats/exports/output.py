@@ -1,4 +1,4 @@
-"""Target of an export: a folder, a zip, a single file or a stream; whole or not at all."""
+"""Target of an export: a folder, a zip, a single file or a stream, written atomically."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import BinaryIO, Protocol, cast
 from pointbrush.errors import BadInputError, UnavailableError
 
 LEVEL = 1
-"""Of deflate: noise gains nothing from more, and takes several times as long."""
+"""Level of deflate: higher ones save nothing on noise and take several times as long."""
 
 
 class Output(Protocol):
@@ -57,7 +57,7 @@ class _Zip:
 
 
 class _Single:
-    """The one file of points at ``path``; other files lie beside it, named after it."""
+    """The only file of points, at ``path``; other files are beside it, named after it."""
 
     def __init__(self, path: Path, scratch: Path) -> None:
         self.path = path
@@ -81,7 +81,7 @@ class _Single:
 
 
 def stream_output(stream: BinaryIO) -> AbstractContextManager[Output]:
-    """Files go into a zip on ``stream``, which need not seek."""
+    """Write files into a zip on ``stream``, which need not support seek."""
 
     @contextmanager
     def opened() -> Iterator[Output]:

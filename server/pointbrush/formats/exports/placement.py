@@ -33,6 +33,6 @@ def placement_of(frame: ExportFrame, R_export_source: Matrix) -> Matrix:
 
 
 def placed(T_export_source: Matrix, xyz: NDArray[np.floating]) -> Matrix:
-    """Move points (N, 3) from the source's coordinates to those of the export, as float64."""
+    """Move points (N, 3) from source to export coordinates, as float64."""
     moved = xyz.astype(np.float64) @ T_export_source[:3, :3].T + T_export_source[:3, 3]
     return np.asarray(moved, np.float64)

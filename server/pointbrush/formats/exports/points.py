@@ -55,7 +55,7 @@ def _write(
 
 
 def _write_pcd(out: BinaryIO, table: Table) -> None:
-    """PCD packs colours; label, category and instance are fields of their own."""
+    """Write a PCD with packed colours and separate fields for label, category and instance."""
     write_pcd(out, Table(table.count, lambda: map(_packed, table.blocks())))
 
 
@@ -64,7 +64,7 @@ def _packed(columns: Columns) -> Columns:
     if "red" in packed:
         parts = [packed.pop(color).astype(np.uint32) for color in ("red", "green", "blue")]
         packed["rgba"] = np.uint32(0xFF000000) | parts[0] << 16 | parts[1] << 8 | parts[2]
-    # PCL's point types have labels of 4 bytes and read no others.
+    # PCL's point types read only labels of 4 bytes.
     packed |= {name: packed[name].astype(np.uint32) for name in WIDE if name in packed}
     order = sorted(packed, key=lambda name: (name not in "xyz", name != "rgba"))
     return {name: packed[name] for name in order}
@@ -78,7 +78,7 @@ write_csvs = partial(_write, ".csv", write_csv)
 def _write_las(
     compress: bool, frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> None:
-    """LAS or LAZ; what came from one keeps header, records and fields."""
+    """Write LAS or LAZ; points from such a file keep its header, records and fields."""
     from pointbrush.formats.las_write import write_las, write_las_like
 
     classes = palette.of_dataset(LAS.name).category
@@ -100,7 +100,7 @@ def write_npzs(frames: Iterable[ExportFrame], palette: Palette, output: Output) 
     """Per frame: xyz, rgb, intensity, label, category, instance, provenance of the points kept.
 
     The source's further fields are arrays beside them.  ``deleted`` is a mask over all source
-    points: the others are the ones the arrays hold.
+    points; the arrays hold the other points.
     """
     for frame in frames:
         with ExitStack() as stack:
@@ -158,6 +158,6 @@ def _points(frame: ExportFrame, palette: Palette, label: int) -> Iterator[Column
 
 
 def _folder(entry: PaletteEntry) -> str:
-    """A name for every file system, unique by the label's id."""
+    """Return a folder name that is valid on every file system and unique by the label's id."""
     slug = re.sub(r"[^a-z0-9]+", "-", entry.name.lower()).strip("-")[:40]
     return f"{entry.id:05d}_{slug}" if slug else f"{entry.id:05d}"

@@ -1,8 +1,8 @@
 """SemanticKITTI (Behley et al. 2019): velodyne ``.bin``, ``.label``, poses and times.
 
-A ``.label`` entry is a uint32: the class in the lower 16 bits, by SemanticKITTI's own number where
-the category has one, and the instance in the upper 16.  Points that came with a class and kept it
-keep their instance too.  ``.bin`` and ``.label`` have the same points; deleted ones are in neither.
+A ``.label`` entry is a uint32: the class in the lower 16 bits, with SemanticKITTI's own number if
+the category has one, and the instance in the upper 16.  Points that still have the class of their
+source keep its instance too.  ``.bin`` and ``.label`` have the same points, without deleted ones.
 
 ``.bin`` holds float32: coordinates far from the origin (UTM) would lose centimetres, so that they
 are written relative to a shift, which the poses undo.
@@ -28,7 +28,7 @@ from pointbrush.formats.exports.points import write_palette
 from pointbrush.formats.kitti import pack_label
 
 IMPORTED = 3
-"""Provenance of a point whose label came in with it."""
+"""Provenance of a point with an imported label."""
 ROOT = "sequences/00"
 
 
@@ -52,7 +52,7 @@ def write_semantickitti(frames: Iterable[ExportFrame], palette: Palette, output:
         times.append(block.points.timestamp)
     if any(pose is not None for pose in poses) or (shift is not None and shift.any()):
         _write_lines("poses.txt", _pose_lines(poses, shift), output)
-        # The poses are the sensor's own: camera and velodyne frames coincide.
+        # The poses are of the sensor: camera and velodyne frames coincide.
         with output.file(f"{ROOT}/calib.txt") as file:
             file.write(b"Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n")
     _write_lines("times.txt", [None if time is None else [time] for time in times], output)

@@ -1,4 +1,4 @@
-"""Layouts that training code reads as they are: Pointcept's and OpenPCDet's custom dataset."""
+"""Layouts that training code reads directly: Pointcept and OpenPCDet's custom dataset."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ from pointbrush.formats.table import Spools
 NONE = -1
 """Value of Pointcept for points without a class or an instance."""
 FEWEST = 5
-"""Points that a box must hold to be worth learning."""
+"""Least points of a box in the training set."""
 
 
 class _Scenes:
-    """The frames of a recording with the splits and the names of their scenes, all in one place.
+    """The frames of a recording with splits and names of their scenes, in common coordinates.
 
-    Iterate before ``T_export_source`` (4, 4) and ``told`` are asked for.
+    ``T_export_source`` (4, 4) and ``told`` are available after the iteration.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class _Scenes:
             yield frame, split, name
 
     def told(self) -> dict[str, Any]:
-        """Describe them for ``export.json``."""
+        """Return the entries for ``export.json``."""
         split = {"by": self._split.by, **self.names}
         return {"split": split, PLACEMENT: self.T_export_source.tolist()}
 
@@ -129,8 +129,8 @@ def write_openpcdet(
     """Write OpenPCDet's custom dataset: ``points/``, ``labels/`` and ``ImageSets/``.
 
     ``points/RECORDING_NNNNNN.npy`` are x y z intensity in float32, z up, x ahead; the ``.txt`` of
-    that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes: round the
-    points of each label, or with ``whole`` those that the labels have.
+    that name in ``labels`` has lines ``x y z dx dy dz heading class`` of upright boxes: around the
+    points of each label, or with ``whole`` the boxes of the labels.
     """
     scenes = _Scenes(frames, upright_axes)
     for frame, _, name in scenes:
@@ -156,7 +156,7 @@ def write_openpcdet(
 
 
 def _box_lines(boxes: Mapping[int, list[Matrix]], palette: Palette) -> Iterator[str]:
-    """Give a line per label whose points, in parts (N, 3), are enough for a box."""
+    """Yield a line for each label with enough points, in parts (N, 3), for a box."""
     entries = {entry.id: entry for entry in palette.entries}
     for label, parts in sorted(boxes.items()):
         xyz = np.concatenate(parts)
@@ -168,7 +168,7 @@ def _box_lines(boxes: Mapping[int, list[Matrix]], palette: Palette) -> Iterator[
 
 
 def _whole_lines(frame: ExportFrame, scenes: _Scenes) -> Iterator[str]:
-    """Give a line for each box of a frame."""
+    """Yield a line for each box of a frame."""
     for box in boxes_of(frame).boxes:
         yield box_line(box.moved(scenes.T_export_source))
 

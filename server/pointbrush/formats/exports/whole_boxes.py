@@ -1,4 +1,4 @@
-"""Whole boxes of labels, as formats of detection have them: ``formats.boxes.writing``."""
+"""Whole boxes of labels in formats for detection, see ``formats.boxes.writing``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pointbrush.formats.exports.points import write_palette
 def write_whole_boxes(
     kind: BoxWriting, frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> dict[str, Any]:
-    """Write the boxes of frames in a format; tell their times, and where they are placed."""
+    """Write the boxes of frames in a format; return the times and placement of the frames."""
     told: dict[str, Any] = {"extent": "whole", TIMES: {}}
     waiting = iter(frames)
     first = next(waiting, None)
@@ -53,7 +53,7 @@ def scene_of(palette: Palette, recording: str) -> Scene:
 
 
 def boxes_of(frame: ExportFrame) -> SceneFrame:
-    """Return the boxes of a frame; none where it came without."""
+    """Return the boxes of a frame, or none if it has no boxes."""
     return frame.boxes or SceneFrame(frame.index, frame.stem, float(frame.index), (), up=frame.up)
 
 
