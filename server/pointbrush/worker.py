@@ -195,7 +195,7 @@ class DaskExecutor(Executor):
 
     @property
     def connected(self) -> bool:
-        """Return whether the connection to the scheduler was never lost."""
+        """Return whether the client is still connected to its scheduler."""
         return bool(self._client.status == "running")
 
     def require_answer(self) -> None:

@@ -131,7 +131,7 @@ class Tokens:
     def add(
         self, role: str, name: str = "", expires: float | None = None, *, another: bool = False
     ) -> str:
-        """Make a token and return its secret, which is not stored.
+        """Create a token and return its secret, which is not stored.
 
         ``name`` is the person's account; without a name the token is an account of its own.
         ``expires``: seconds since the epoch.  Raises BadInputError for an unknown role or a name
@@ -170,7 +170,7 @@ class Tokens:
         return write_once(self._database, make, find)
 
     def of_person(self, subject: str, names: Iterable[str], role: Role) -> Token:
-        """Return the token of a person of an identity provider; make it at the first sign-in.
+        """Return the token of a person of an identity provider; create it at the first sign-in.
 
         It has no secret.  ``subject`` identifies the person; their account is the first of
         ``names`` that is valid and that no token ever had.
@@ -269,7 +269,7 @@ class SignIns:
         self._database = database
 
     def add(self, account: str, token: str | None, owner: str, expires: float) -> str:
-        """Make a sign-in and return its id for the cookie.
+        """Create a sign-in and return its id for the cookie.
 
         ``token``: a token's id; ``owner``: the digest of the server's own; ``expires``: seconds
         since the epoch.  Expired sign-ins are removed.

@@ -111,7 +111,7 @@ def read_attributes(connection: Connection) -> list[BoxAttribute]:
 
 
 def write_attributes(connection: Connection, wanted: Sequence[BoxAttribute]) -> None:
-    """Replace the definitions.  Raises BadInputError for too many, or a name given twice."""
+    """Replace the definitions.  Raises BadInputError for too many, or a repeated name."""
     if len({each.name for each in wanted}) < len(wanted) or len(wanted) > MOST_ATTRIBUTES:
         raise BadInputError(f"attributes: expected at most {MOST_ATTRIBUTES}, each name once")
     connection.execute(delete(box_attributes))

@@ -118,7 +118,7 @@ class Database:
         return Path(str(self.url.database)) if self.sqlite else None
 
     def listener(self) -> psycopg.Connection[Any]:
-        """Return a connection to PostgreSQL of its own, in autocommit, for ``LISTEN``."""
+        """Return a separate connection to PostgreSQL in autocommit mode, for ``LISTEN``."""
         args, fields = self.engine.dialect.create_connect_args(self.url)
         waits = patience(self.url, self.limits)
         dbapi: Any = self.engine.dialect.loaded_dbapi

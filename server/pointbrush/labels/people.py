@@ -53,7 +53,7 @@ class People:
         raise NotFoundError(f"account: expected the name of an account, got {account!r}")
 
     def create(self, account: str, role: Role, days: float | None, by: Role) -> tuple[Token, str]:
-        """Make an account with its first token; return the token and its secret.
+        """Create an account with its first token; return the token and its secret.
 
         Raises BadInputError for an invalid name, ConflictError if the account has a valid token,
         ForbiddenError.
@@ -64,7 +64,7 @@ class People:
     def add_token(
         self, account: str, role: Role | None, days: float | None, by: Role
     ) -> tuple[Token, str]:
-        """Make another token of an account and return it with its secret.
+        """Create another token of an account and return it with its secret.
 
         ``role`` None: the account's role, or else the role of its last token.  Raises
         NotFoundError, ForbiddenError.

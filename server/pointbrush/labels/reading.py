@@ -38,7 +38,7 @@ SINCE_EDITS = 2_000
 SINCE_POINTS = 5_000_000
 """Limits above which sending whole annotations is shorter than sending the changes."""
 FRESH_SECONDS = 0.02
-"""Minimum interval between two looks at the database."""
+"""Minimum interval between two queries for a newer revision."""
 
 
 def values(

@@ -133,7 +133,7 @@ class Webhooks:
             rows = connection.execute(chosen.order_by(webhook_events.c.created.desc()).limit(limit))
             return [_delivery(row) for row in rows]
 
-    # ── events that come in ──────────────────────────────────────────────────────────────
+    # ── gathering of events ──────────────────────────────────────────────────────────────
 
     def gather(self) -> None:
         """Create events for edits and jobs since the last call of any server."""
@@ -211,7 +211,7 @@ class Webhooks:
         new = insert(webhook_events, sqlite=self._database.sqlite).values(row)
         connection.execute(new.on_conflict_do_nothing())
 
-    # ── events that go out ───────────────────────────────────────────────────────────────
+    # ── delivery of events ───────────────────────────────────────────────────────────────
 
     def waiting(self) -> list[str]:
         """Return the ids of webhooks with due events."""

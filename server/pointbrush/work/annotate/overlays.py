@@ -24,7 +24,7 @@ class Placement:
     """Placement of one frame over the shown frame.
 
     ``T_shown_frame`` (4, 4) from its local coordinates to the shown frame's; ``moving``: the same
-    by label, for labels whose tracks give their motion between the two frames.
+    by label, for labels with tracks that give their motion between the two frames.
     """
 
     frame: int
