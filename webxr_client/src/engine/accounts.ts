@@ -15,7 +15,7 @@ export interface Account {
 
 /** null until the server has answered. */
 export const accounts = signal<readonly Account[] | null>(null);
-/** The link of the token that was made last; the server shows a token once. */
+/** The link of the newest token; the server shows a token once. */
 export const newLink = signal<{ readonly account: string; readonly link: string } | null>(null);
 
 export const loadAccounts = (): Promise<void> =>

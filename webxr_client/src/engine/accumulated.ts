@@ -1,4 +1,4 @@
-/** Lays the frames around the one on screen over it while time stands: asks where, and shows them. */
+/** Overlays the frames around the one on screen while playback is paused: placements and display. */
 import { Matrix4 } from 'three';
 import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../cloud/points/accumulation';
 import type { PlacedFrame } from '../cloud/points/layer';
@@ -11,7 +11,7 @@ import type { Playback } from './playback';
 
 /** Points of all frames together that one picture can hold. */
 export const MOST_POINTS = 8_000_000;
-/** Milliseconds: stepping through frames asks once it rests. */
+/** Debounce of requests during stepping through frames, milliseconds. */
 const REST_MS = 120;
 
 interface Placement {
@@ -67,7 +67,7 @@ export class Accumulated {
     playback.around = (frame) => this.around(frame);
     watch([accumulation], () => playback.lookAround());
     watch([accumulation, state.frame, state.playing, state.sequence], () => this.forget());
-    // Tracks that are found or taken back move what they track.
+    // New or undone tracks change the placements of tracked objects.
     watch([state.timeline], () => this.askSoon());
   }
 
@@ -120,7 +120,7 @@ export class Accumulated {
     }
   }
 
-  /** Before each picture: what has come is shown. */
+  /** Show newly loaded frames; called before each picture. */
   update(): void {
     const before = peek(placedFrames);
     const shown = this.playback.frame?.index ?? -1;

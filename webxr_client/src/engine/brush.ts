@@ -1,4 +1,4 @@
-/** Tools and the brush: what the user chooses to work with. */
+/** Actions of tools and of the brush. */
 import type { Actions } from '../store/actions';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../store/state';
 

@@ -1,4 +1,4 @@
-/** Categories to choose from for labels of the open recording: what its project selected, or all. */
+/** Categories for labels of the open recording: the selection of its project, or all. */
 import { computed, signal } from '@preact/signals';
 import { api } from '../net/rest';
 import { state } from '../store/state';
@@ -14,10 +14,10 @@ interface Offered {
 const ALL: Offered = { selected: false, names: [] };
 const offered = signal(ALL);
 
-/** Only these are to be chosen. */
+/** True: labels get only these categories. */
 export const categoriesSelected = computed(() => offered.value.selected);
 
-/** Selected categories; where none are selected, those in use, and then the workspace's. */
+/** Selected categories; without a selection, categories in use, then the workspace's. */
 export const categoryChoices = computed<readonly string[]>(() => {
   const { selected, names } = offered.value;
   if (selected) return names;
@@ -25,7 +25,7 @@ export const categoryChoices = computed<readonly string[]>(() => {
   return [...new Set([...used, ...names])];
 });
 
-/** Ask what the open recording's project has selected. */
+/** Load the categories that the open recording's project has selected. */
 export async function loadCategories(): Promise<void> {
   const of = state.sequence.peek()?.id;
   offered.value = ALL;

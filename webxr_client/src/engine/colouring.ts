@@ -1,4 +1,4 @@
-/** Colours of labels: their own, or what is known of them in the frame on screen. */
+/** Colours of labels: their own, or by confidence or provenance in the frame on screen. */
 import type { Label } from '../protocol/messages';
 import { state, type TimelineRow } from '../store/state';
 
@@ -31,7 +31,7 @@ export function confidenceColour(row: TimelineRow | undefined, frame: number): s
   const points = row?.points[frame] ?? 0;
   if (!row || points === 0) return UNKNOWN;
   const sure = row.confidence[frame] ?? NaN;
-  // Points that a person has painted are as sure as it gets.
+  // Points painted by a person have the greatest confidence.
   if (Number.isNaN(sure)) return (row.painted[frame] ?? 0) > 0 ? SURE : UNKNOWN;
   return sureColour(sure);
 }

@@ -1,4 +1,4 @@
-/** Large frames: asks for the chunks that are worth their points, drops others under the budget. */
+/** Large frames: requests the most useful chunks and drops others, within a budget of points. */
 import { Box3, Frustum, Matrix4, Vector3, WebGLCoordinateSystem } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
@@ -10,11 +10,11 @@ import type { Playback } from './playback';
 /** Points kept at once. */
 const BUDGET = 3_000_000;
 const BUDGET_SOFTWARE = 700_000;
-/** Until it is reached chunks out of view stay, for when one looks there again. */
+/** Factor of the budget up to which chunks out of view are kept. */
 const SLACK = 1.25;
 const PERIOD_MS = 250;
 const RETRY_MS = 2000;
-/** Chunks that did not come by then are asked for again: the link may have been lost. */
+/** Chunks that have not arrived after this time are requested again: the link may be lost. */
 const PATIENCE_MS = 2000;
 /** Most chunks of one wish. */
 const LONGEST = 4096;
@@ -91,7 +91,7 @@ export class Detail {
     this.ask(cloud, new Set(chosen), here, missing, now);
   }
 
-  /** Position of the camera in the frame's own coordinates: at the desk, or on somebody's head. */
+  /** Compute the camera's position in the frame's coordinates, at the desk or in the headset. */
   private look(): void {
     const { camera, room, viewHeight, renderer } = this.viewer;
     // In the headset the camera has the eyes' projection.
@@ -107,13 +107,13 @@ export class Detail {
     view.eye.setFromMatrixPosition(camera.matrixWorld);
     view.eye.applyMatrix4(matrix.copy(room.matrixWorld).invert());
     view.pixels = Math.max(1, viewHeight / 2) * camera.projectionMatrix.elements[5];
-    // The eye of an orthographic picture is about as far from everything.
+    // The eye of an orthographic picture has about the same distance from all points.
     if (camera.orthographic && !renderer.xr.isPresenting) {
       view.pixels *= camera.position.distanceTo(this.viewer.middle);
     }
   }
 
-  /** Make room: what is not worth it goes, the finest first. */
+  /** Make room by dropping the least useful chunks, the finest first. */
   private drop(cloud: CloudFrame, keep: Set<number>, missing: number[], most: number): void {
     let points = cloud.loaded;
     for (const index of missing) points += this.nodes[index]!.count;
@@ -150,7 +150,7 @@ export class Detail {
 
 /** Nearer than this nothing gets finer, metres. */
 const NEAREST = 0.3;
-/** A chunk whose points would lie closer than this many pixels adds nothing to see. */
+/** Least distance in pixels of points; a chunk with denser ones adds no visible detail. */
 const FINEST_PIXELS = 0.7;
 /** Each takes buffers of the GPU, however few its points. */
 const MOST_CHUNKS = 256;

@@ -170,7 +170,7 @@ export class Engine {
   private tune(now: number): void {
     this.pacing.update(now);
     const { isPresenting } = this.viewer.renderer.xr;
-    // At the desk more is kept than is drawn while something moves; a head always moves.
+    // The desk keeps more points than it draws during motion; a headset is always in motion.
     this.detail.update(now, isPresenting ? this.pacing.points : ALL_POINTS);
   }
 
@@ -273,14 +273,14 @@ export class Engine {
     camera.updateProjectionMatrix();
     this.camera.walkSpeed = Math.max(0.5, size / 8);
     this.camera.depth = Math.max(10, 2 * size);
-    // A brush for what one sees: 5 cm in a room, as much larger in a street.
+    // The brush fits the view: 5 cm in a room, proportionally larger in a street.
     if (jump) setRadius(Math.min(1, Math.max(0.02, eye.distanceTo(target) / 60)));
     this.cutCeiling(preset === 'top' ? underCeiling(frame, room.matrix) : null, low, high);
     this.camera.lookAt(eye, target, jump, isPlan(preset));
     this.viewer.invalidate();
   }
 
-  /** Show what is below a height, from now on; null: no more.  A clip box of the person's own stays. */
+  /** Show only points below a height; null: all.  A clip box that the user made stays. */
   private cutCeiling(height: number | null, low: Vector3, high: Vector3): void {
     if (clip.peek() !== null && clip.peek() !== this.cut) return;
     const [x, z] = [(low.x + high.x) / 2, (low.z + high.z) / 2];

@@ -1,5 +1,5 @@
 /**
- * "Follow": what was painted is tracked on by itself, once its stroke has settled, one label at a
+ * "Follow": painted points are tracked on automatically once the stroke has settled, one label at a
  * time; the next stroke on the label stops that, and one undo takes back both.
  */
 import type { Brush, Job, StrokeResult, Track } from '../protocol/messages';
@@ -45,7 +45,7 @@ export class Following {
 
   constructor(private readonly deps: FollowingDeps) {}
 
-  /** A stroke begins: what runs for its label is void. */
+  /** Cancel the run of a label when a stroke on it begins. */
   begin(stroke: string, brush: Brush): void {
     this.joined = null;
     const label = brush.label ?? 0;
@@ -84,7 +84,7 @@ export class Following {
     return true;
   }
 
-  /** End what runs; return the number of edits that an undo takes back. */
+  /** Stop the run; return the number of edits that an undo takes back. */
   undo(): number {
     const both = this.joined !== null;
     this.clear();

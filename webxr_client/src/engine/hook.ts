@@ -1,4 +1,4 @@
-/** `window.__pointbrush`: what tests and benchmarks may look at.  Nothing here changes labels. */
+/** `window.__pointbrush`: state for tests and benchmarks.  Nothing here changes labels. */
 import type { CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
 import { SCHEMA_HASH } from '../protocol/messages';
@@ -26,7 +26,7 @@ export function installHook(engine: Engine): void {
       }
       return counts;
     },
-    /** The same, from what was sent to the GPU. */
+    /** The same counts, from the labels that were sent to the GPU. */
     drawnLabels: () => Object.fromEntries(viewer.countLabels()),
     counters: () => ({
       ...playback.counters,
@@ -34,7 +34,7 @@ export function installHook(engine: Engine): void {
       cachedFrames: playback.store.size,
       cachedBytes: playback.store.usedBytes,
     }),
-    /** Milliseconds a picture: our own work, issuing the draws, and what waited for them. */
+    /** Milliseconds a picture: our own work, the draw calls, and the work postponed after them. */
     timing: () => {
       viewer.measure(false);
       return {

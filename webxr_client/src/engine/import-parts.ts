@@ -1,4 +1,4 @@
-/** A folder whose entries are one recording each: its entries, and their imports. */
+/** Import of a folder with one recording in each entry. */
 import type { Job } from '../protocol/messages';
 import { actions } from '../store/actions';
 import type { ChosenFile, ImportOptions, ImportPart } from '../store/state';

@@ -1,4 +1,4 @@
-/** Files that come in: what they are is shown first, can be corrected, and then they are taken. */
+/** Import of files: preview, corrections, and the import itself. */
 import type { Actions } from '../store/actions';
 import { count as shown, plural } from '../common/format';
 import { api, ApiError } from '../net/rest';
@@ -26,7 +26,7 @@ import { joinImports } from './imports';
 import { FIRST, importInto } from './projects';
 import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
 
-/** Milliseconds between looks at a job whose result is waited for. */
+/** Milliseconds between two requests for the state of an awaited job. */
 const LOOK = 200;
 /** Endings of files that hold labels and no points. */
 const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^/]*\.(npy|json))$/i;
@@ -34,7 +34,7 @@ const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^
 /** Files that a short message names. */
 const TOLD = 3;
 
-/** Answers to earlier questions are of no interest. */
+/** Number of the newest request; answers to earlier ones are ignored. */
 let asked = 0;
 
 function change(patch: Partial<ImportDraft>): void {
@@ -70,7 +70,7 @@ function changePart(patch: Partial<ImportPart>, number?: number): void {
   change({ parts: parts.map((part, k) => (of(k) ? { ...part, ...patch } : part)) });
 }
 
-/** Ask what labels the files give the open recording; or, not `dry`, take them. */
+/** Preview the labels that files give the open recording, or import them unless `dry`. */
 async function labels(dry: boolean): Promise<LabelsFound> {
   const { files, sequence, options } = state.importing.peek()!;
   const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;

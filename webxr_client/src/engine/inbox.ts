@@ -47,7 +47,7 @@ function isOpen(sequence: string): boolean {
 }
 
 export class Inbox {
-  /** Frames that show what a tracking run has found but not committed. */
+  /** Frames with provisional results of a tracking run. */
   private readonly provisional = new Set<CloudFrame>();
 
   private readonly takes: Takes = {
@@ -108,7 +108,7 @@ export class Inbox {
   private takeLabelUpdate(update: LabelUpdate): void {
     if (update.sequence !== state.sequence.peek()?.id) return;
     if (update.provisional) {
-      // A run's end goes ahead of what waits: what it found is committed by then, or given up.
+      // The end of a run may overtake its provisional results, which are void then.
       if (!state.jobs.peek().some((job) => job.sequence === update.sequence && isTracking(job)))
         return;
       const frame = this.deps.playback.store.get(update.frame);
@@ -177,7 +177,7 @@ export class Inbox {
     state.sequence.value = info;
     state.opening.value = null;
     if (again) {
-      // The link came back, or somebody changed the name, rate or floor: what is here stays.
+      // The link is back, or the name, rate or floor has changed: keep the loaded points.
       this.deps.playback.renew(info);
       if (state.playing.peek()) this.deps.playback.restart();
       else this.deps.playback.lookAround();
@@ -226,7 +226,7 @@ function isShownElsewhere(job: Job): boolean {
   return (!isMine(job) && job.sequence !== state.sequence.peek()?.id) || isOneOfSeveral(job);
 }
 
-/** Open what was imported, or, with another recording on screen, offer to until that is used. */
+/** Open an imported recording, or, with another recording on screen, offer a button to open it. */
 function offer(id: string | null, name: string): void {
   if (id === null || state.sequence.peek() === null) {
     notify('success', 'Imported', name);
@@ -237,12 +237,12 @@ function offer(id: string | null, name: string): void {
   notify('success', 'Imported', name, { label: 'Open', run, stays: true });
 }
 
-/** Say how a run ended well; the message's id, or null. */
+/** Report a successful run; return the message's id, or null. */
 function tellRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
   return job.state === 'done' ? notify('success', 'Tracked', job.message) : null;
 }
 
-/** Say in words what a stopped job leaves. */
+/** Return the message about the results that a stopped job keeps. */
 function kept(job: Extract<PlainMessage, { type: 'job' }>): string {
   return job.kind === 'tracking' ? job.message : '';
 }

@@ -1,4 +1,4 @@
-/** The palette and the timeline: what the server says, and what the user asks for. */
+/** The palette and the timeline: messages of the server, and requests of the user. */
 import { signal } from '@preact/signals';
 import { type Actions, actions, type LabelPatch } from '../store/actions';
 import { api } from '../net/rest';
@@ -84,7 +84,7 @@ async function update(id: number, patch: LabelPatch): Promise<void> {
   });
 }
 
-/** Number of labels that are being made: until then nothing is painted with the one before. */
+/** Number of labels that are being created; meanwhile, no stroke paints the previous label. */
 let making = 0;
 
 async function create(name?: string, color?: string, category = ''): Promise<number> {
@@ -98,7 +98,7 @@ async function create(name?: string, color?: string, category = ''): Promise<num
         labelColours.peek(),
       ),
     category,
-    // Somebody else may be making a label at this moment.
+    // Another person may be creating a label at the same time.
     distinct: true,
   };
   const before = state.activeLabel.peek();
@@ -169,7 +169,7 @@ export const labelActions = {
   loadHistory: () => attempt('The history did not load', history),
 } satisfies Partial<Actions>;
 
-/** A label whose name is typed while the server makes it. */
+/** A label that the server creates while its name is typed. */
 interface NewLabel {
   readonly name: string;
   readonly color: string;

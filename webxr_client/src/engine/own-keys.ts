@@ -8,7 +8,7 @@ import { attempt } from './recordings';
 
 const PATH = 'me/keys';
 
-/** Take the keys of whoever signs in, and store what they change; the result stops it. */
+/** Load the keys of the signed-in account, and store its changes; the result stops it. */
 export function followOwnKeys(): () => void {
   let known: string | null = null;
   const stops = [
@@ -16,7 +16,7 @@ export function followOwnKeys(): () => void {
       const account = state.me.value?.account ?? null;
       if (account === null || account === known) return;
       known = account;
-      void untracked(load).catch(() => (known = null)); // asked again with the next welcome
+      void untracked(load).catch(() => (known = null)); // requested again with the next welcome
     }),
     follow(() => {
       const keys = keysToStore.value;

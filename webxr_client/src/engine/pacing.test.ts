@@ -145,7 +145,7 @@ describe('a slow display', () => {
   it('draws fewer points while the camera moves, and all of them under a still one', () => {
     const { camera, pictures, limit } = slow();
     pictures(1);
-    // Aiming and painting change the picture, but nobody looks from elsewhere.
+    // Aiming and painting change the picture, but not the camera.
     pictures(20);
     expect(limit()).toBe(ALL_POINTS);
     pictures(20, () => (camera.position.x += 0.1));

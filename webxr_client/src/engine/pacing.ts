@@ -6,7 +6,7 @@ import { peek } from '../store/watch';
 import type { Playback } from './playback';
 
 const DESK_MS = 1000 / 60;
-/** A program that stands in for a GPU is never that fast; it should still follow the hand. */
+/** Target for software rendering, which is slow but should still follow the hand. */
 const SOFTWARE_MS = 1000 / 10;
 /** A picture that has stood for so long is drawn whole. */
 const REST_MS = 300;
@@ -55,7 +55,7 @@ export class Pacing {
   update(now: number): void {
     const { viewer } = this;
     const { total } = viewer.intervalMs;
-    // A picture that is drawn whole says nothing of what can be drawn while one moves.
+    // A picture of all points at rest does not measure the points that can be drawn in motion.
     if (total !== this.seen && this.adaptive && !this.whole) this.note(now);
     this.seen = total;
     // Light and paint under a still camera change points, not how many there are.
@@ -67,7 +67,7 @@ export class Pacing {
     viewer.setLimit(this.whole ? ALL_POINTS : points);
   }
 
-  /** Whether one looks from elsewhere, or at another frame, than when asked last. */
+  /** Return whether camera or frame have changed since the last call. */
   private look(): boolean {
     const { here, before } = this;
     const { matrixWorld, projectionMatrix } = this.viewer.camera;
@@ -133,7 +133,7 @@ export class PointBudget {
   /** The best that can be hoped for: a display at 30 Hz, a slow machine. */
   private floor = 0;
 
-  /** A picture of `drawn` points: what it took, what it should take, and when, milliseconds. */
+  /** Record a picture of `drawn` points: its duration, target and time, milliseconds. */
   note(picture: Float64Array, drawn: number): void {
     const interval = picture[0]!;
     const target = picture[1]!;
@@ -200,7 +200,7 @@ export class PointBudget {
     if (this.points === ALL_POINTS) return;
     // The last try went well.
     if (this.triedAt >= 0) this.patience = Math.max(PATIENCE_MS, this.patience / 2);
-    // A limit far above what there is to draw is none.
+    // A limit far above the number of drawn points is removed.
     this.points = this.points > 4 * drawn ? ALL_POINTS : Math.round(this.points * GROW);
     this.triedAt = now;
     if (this.points === ALL_POINTS) this.patience = PATIENCE_MS;

@@ -1,4 +1,4 @@
-/** Time: the playhead, the clock, which frame is on screen, and what the cache keeps. */
+/** Time: the playhead, the clock, the frame on screen, and the cached frames. */
 import { PlayClock } from '../cloud/picture/clock';
 import type { CloudFrame } from '../cloud/points/frame';
 import { FrameStore } from '../cloud/points/store';
@@ -99,7 +99,7 @@ export class Playback {
     this.link.send({ type: 'play', frame, speed, loop });
   }
 
-  /** Stop at a frame; unless given, at the one on screen: what one sees is what one paused at. */
+  /** Stop at a frame, by default at the one on screen. */
   pause(at = this.shown?.index ?? peek(state.frame)): void {
     if (!peek(state.playing)) return;
     state.playing.value = false;

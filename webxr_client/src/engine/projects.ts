@@ -1,4 +1,4 @@
-/** Projects: recordings in groups, what has been done of each, and the search in all of them. */
+/** Projects: recordings in groups, their progress, and the search in all of them. */
 import { signal } from '@preact/signals';
 import { api } from '../net/rest';
 import { actions } from '../store/actions';
@@ -26,7 +26,7 @@ export interface Project {
   /** The caller's in it. */
   readonly role: Welcome['role'];
   readonly roles: Readonly<Record<string, string>>;
-  /** Numbers of those that are selected; null: all. */
+  /** Numbers of the selected categories; null: all. */
   readonly categories: readonly number[] | null;
   readonly recordings: readonly string[];
   readonly tasks: Counts;
@@ -34,7 +34,7 @@ export interface Project {
   readonly people: Readonly<Record<string, Counts>>;
 }
 
-/** Figures of a project; hours are those that edits took. */
+/** Figures of a project; hours are the time of edits. */
 export interface Statistics {
   readonly points: number;
   readonly objects: number;
@@ -63,7 +63,7 @@ export const FIRST = 'default';
 
 /** By name; empty until the server has answered. */
 export const projects = signal<readonly Project[]>([]);
-/** Id of the project whose settings are open, or null. */
+/** Id of the project with open settings, or null. */
 export const settled = signal<string | null>(null);
 /** Project that imports go into. */
 export const importInto = signal(FIRST);
@@ -93,7 +93,7 @@ export interface Group {
   readonly rows: readonly SequenceSummary[];
 }
 
-/** Recordings by project, those of projects that are not known under their ids. */
+/** Return recordings by project; unknown projects are named by their ids. */
 export function grouped(
   rows: readonly SequenceSummary[],
   known: readonly Project[],
@@ -108,13 +108,13 @@ export function grouped(
   return [...found].map(([id, own]) => ({ project: named.get(id) ?? { id, name: id }, rows: own }));
 }
 
-/** Number of all tasks, and of those in one state. */
+/** Return the number of all tasks, or of tasks in one state. */
 export function tasksOf(counts: Counts, kind?: TaskState): number {
   if (kind) return counts[kind] ?? 0;
   return Object.values(counts).reduce((sum, count) => sum + count, 0);
 }
 
-/** Ids of the recordings that meet all conditions; null where there are none to meet. */
+/** Return the ids of the recordings that meet all conditions; null without conditions. */
 export async function search(conditions: Conditions): Promise<ReadonlySet<string> | null> {
   const query = new URLSearchParams();
   for (const name of Object.keys(NO_CONDITIONS) as (keyof Conditions)[]) {

@@ -41,7 +41,7 @@ export function sorted(
   return [...rows].sort((a, b) => way * COMPARE[by](a, b) || COMPARE.name(a, b));
 }
 
-/** Return the recordings whose names have all words, in any order. */
+/** Return the recordings with all words in their names, in any order. */
 export function matching(
   sequences: readonly SequenceSummary[],
   text: string,

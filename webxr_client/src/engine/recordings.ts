@@ -15,7 +15,7 @@ import {
   type Upload,
 } from '../store/state';
 
-/** Do some work and return true, or show what went wrong in the server's words. */
+/** Do some work and return true, or show the server's error message. */
 export async function succeeds(what: string, work: () => Promise<void>): Promise<boolean> {
   try {
     await work();
@@ -32,10 +32,10 @@ export async function attempt(what: string, work: () => Promise<void>): Promise<
   await succeeds(what, work);
 }
 
-/** Ids of jobs whose end is told where they are waited for, not in a message of their own. */
+/** Ids of awaited jobs: the caller reports their end, without a separate message. */
 export const waitedFor = new Set<string>();
 
-/** Job messages come over the socket and from answers; the newest word counts. */
+/** Record the state of a job from the socket or an answer; the newest one wins. */
 export function noteJob(job: Job): void {
   const known = state.jobs.peek().find((other) => other.id === job.id);
   // The answer to the call that began it can come after the message of its end.
@@ -45,7 +45,7 @@ export function noteJob(job: Job): void {
   noteImport(job);
 }
 
-/** Pause in which ends of several imports are answered by one look at the list, milliseconds. */
+/** Time for which ends of several imports are collected before the list is fetched, milliseconds. */
 const SOON_MS = 500;
 let soon: ReturnType<typeof setTimeout> | null = null;
 
@@ -97,7 +97,7 @@ export function sequencePath(id: string): string {
   return `sequences/${encodeURIComponent(id)}`;
 }
 
-/** A folder's name, the file's without its ending, or what the files' names begin with. */
+/** Return a folder's name, a file's name without its ending, or the common prefix of files. */
 function beginning(names: readonly string[]): string {
   const [first = '', ...others] = names.map((name) => name.replace(/\.[^.]+$/, ''));
   let length = first.length;
@@ -131,14 +131,14 @@ async function exportSequence(
   if (frames) query.set('frames', frames);
   if (val) query.set('val', val);
   if (snapshot) query.set('snapshot', snapshot);
-  // A download that finds no server, or is refused, tells nobody: ask first.
+  // A failed or refused download reports no error: check with a request first.
   await api('GET', sequencePath(id));
   download(apiUrl(`${sequencePath(id)}/export?${query.toString()}`));
   rememberExport(format);
   notify('success', 'Export started', 'The browser saves the file in its downloads.');
 }
 
-/** Recordings that are deleted from here: it need not be told twice. */
+/** Recordings deleted on this page, so that the server's message is not shown again. */
 export const deletedHere = new Set<string>();
 
 async function remove(id: string): Promise<void> {

@@ -1,4 +1,4 @@
-/** Doubt: what a person should look at here, a run that stopped for it, and how it goes on. */
+/** Doubt: labels to check in this frame, and a run that stopped for doubt and its continuation. */
 import { computed, type ReadonlySignal, signal } from '@preact/signals';
 import { actions, type Actions, type TrackRequest } from '../store/actions';
 import { api } from '../net/rest';
@@ -116,7 +116,7 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   );
 }
 
-/** Labels with points in a frame, of those given. */
+/** Return the given labels that have points in a frame. */
 function present(labels: readonly number[], frame: number): number[] {
   const { rows } = state.timeline.peek();
   const locked = new Set(state.palette.peek().flatMap((label) => (label.locked ? label.id : [])));

@@ -1,4 +1,4 @@
-/** Moving through time: play, step, seek, the next frame that wants a look, what an undo changed. */
+/** Moving through time: play, step, seek, the next doubtful frame, and the frame of an undo. */
 import { actions, type Actions } from '../store/actions';
 import { api } from '../net/rest';
 import { frameRange, ordered } from '../store/range';
@@ -82,13 +82,13 @@ function doubtful(direction: 1 | -1): { frame: number; label: number } | null {
   return null;
 }
 
-/** An undo's answer that takes longer is of no interest: one has gone on. */
+/** Answers of an undo after this time are ignored, because the user has moved on. */
 const PATIENCE_MS = 5000;
-/** Newest edits among which it is looked for. */
+/** Number of newest edits that are searched for it. */
 const RECENT = 20;
 const WORDS = { undo: 'Undone', redo: 'Redone' } as const;
 
-/** Once the edit is answered, go to what it changed, unless it is in sight. */
+/** Go to the frame that an undo or redo changed after its answer, unless it is on screen. */
 export function showTravel(type: 'undo' | 'redo', edit: string): void {
   const { id } = state.sequence.peek() ?? {};
   if (id === undefined) return;
@@ -107,7 +107,7 @@ export function showTravel(type: 'undo' | 'redo', edit: string): void {
 
 async function find(sequence: string, edit: string): Promise<HistoryEntry | null> {
   const path = `${sequencePath(sequence)}/edits?limit=${RECENT}`;
-  // Nobody asked for the history: where it does not come one stays.
+  // The user has not requested the history: an error needs no message.
   const edits = await api<HistoryEntry[]>('GET', path).catch(() => []);
   return edits.find((entry) => entry.id === edit) ?? null;
 }
@@ -128,7 +128,7 @@ function go(type: 'undo' | 'redo', { frames, summary }: HistoryEntry): void {
 /** The label that a summary names, or null. */
 export function labelIn(summary: string): number | null {
   const named = state.palette.peek().filter(({ name }) => summary.includes(name));
-  // Of "pin" and "pin 1" the longer one is meant.
+  // If both "pin" and "pin 1" occur, the longer name is meant.
   const [longest] = named.sort((a, b) => b.name.length - a.name.length);
   return longest?.id ?? null;
 }

@@ -38,7 +38,7 @@ function ExportMenu() {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
   useEffect(() => void actions.loadExportFormats(), []);
-  // Of an export of the range alone it would be everything.
+  // An export of only the range contains nothing but the range.
   const stretch = range && !frames ? `${range[0]}:${range[1] + 1}` : '';
   const chosen = validation.value;
   const val = ['none', ':', stretch].includes(chosen) ? chosen : '';

@@ -9,7 +9,7 @@ import { PopoverButton } from './parts/popover';
 
 export const historyOpen = signal(false);
 
-/** Edits without frames that changed something all the same. */
+/** Kinds of edits that change the palette without changing frames. */
 const PALETTE: ReadonlySet<string> = new Set(['label', 'undo', 'redo']);
 
 export function HistoryButton() {
@@ -28,7 +28,7 @@ export function HistoryButton() {
 
 function HistoryMenu() {
   const { undo, redo } = state;
-  // An edit changes what undo would take back: read again whenever it does.
+  // Each edit changes the next undo: reload the history then.
   useEffect(() => {
     void actions.loadHistory();
   }, [undo.value, redo.value]);

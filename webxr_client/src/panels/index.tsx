@@ -14,14 +14,14 @@ import { Tooltip } from './parts/tooltip';
 import { Tour } from './tour';
 import { follow } from '../store/watch';
 
-/** Nobody looks at these from inside a headset, and they would be drawn anew for every frame. */
+/** Hides a panel during a headset session, where it is invisible but would render each frame. */
 function AtTheDesk({ panel: Panel }: { panel: () => ComponentChild }) {
   return state.xr.value.session === 'running' ? null : <Panel />;
 }
 
 type Panel = () => ComponentChild;
 
-/** Additions to the panels by the floors above. */
+/** Additions to the panels by the layers above. */
 export interface MorePanels {
   readonly buttons: readonly Panel[];
   /** Over the canvas, at the bottom. */

@@ -1,4 +1,4 @@
-/** Tells a headset's browser on plain HTTP what to do: it has no WebXR there, and says nothing. */
+/** Instructions for headset browsers on plain HTTP, which have no WebXR and report no error. */
 import { useState } from 'preact/hooks';
 
 /** Only over HTTPS, or from the machine itself, a browser has WebXR. */

@@ -5,7 +5,7 @@ import { inkOn } from '../common/colors';
 
 const SHOWN = 4;
 
-/** The person through whose eyes one looks, or null. */
+/** Id of the person that the camera follows, or null. */
 export const following = signal<string | null>(null);
 
 export function People() {

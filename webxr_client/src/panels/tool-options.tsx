@@ -59,7 +59,7 @@ function PickHint() {
   return <span class="soft small">Click a point to choose its label</span>;
 }
 
-/** Places on the floor, and what to do next. */
+/** Hints by the number of chosen places on the floor. */
 const FLOOR_HINTS = [
   'Click the floor to set it',
   'Set by one place · click a second place far away to level it',

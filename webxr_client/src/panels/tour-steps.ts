@@ -1,4 +1,4 @@
-/** The first steps as five cards: what they say, where they point, and whether they were seen. */
+/** The tour as five cards: their texts and controls, and whether the user has seen them. */
 import { signal } from '@preact/signals';
 
 export interface TourStep {
@@ -6,9 +6,9 @@ export interface TourStep {
   readonly text: string;
   /** Selector of the control that the card points at. */
   readonly at: string;
-  /** A person who may only look is not shown how to change things. */
+  /** The step is about editing and is left out for viewers. */
   readonly edits: boolean;
-  /** The control is there only while objects are what a click takes. */
+  /** The control exists only while the shape is `object`. */
   readonly objects?: true;
 }
 
@@ -55,7 +55,7 @@ export const tourStep = signal<number | null>(null);
 
 const KEY = 'pointbrush.tour';
 
-/** Whether nobody has left the tour in this browser.  One that keeps nothing shows no tour unasked. */
+/** Return whether the tour was never left in this browser; false in a browser without storage. */
 export function tourIsNew(): boolean {
   try {
     return localStorage.getItem(KEY) === null;
@@ -73,7 +73,7 @@ export function leaveTour(): void {
   try {
     localStorage.setItem(KEY, 'left');
   } catch {
-    // It does not come unasked in such a browser.
+    // A browser without storage shows the tour only on request.
   }
 }
 

@@ -32,7 +32,7 @@ export function Tour() {
   const number = tourStep.value;
   if (number === null || !hasPicture.value) return null;
   const steps = stepsFor(canEdit.value);
-  // Rights may be taken away in the middle of it.
+  // The user's role may change during the tour.
   const shown = Math.min(number, steps.length - 1);
   return createPortal(
     <Card step={steps[shown]!} number={shown} count={steps.length} />,
@@ -101,7 +101,7 @@ function takeObjects(): void {
   actions.setShape('object');
 }
 
-/** Return the focus to what had it before the tour, or else to the picture. */
+/** Return the focus to the element that had it before the tour, or else to the picture. */
 function useReturnOfFocus(box: { current: HTMLElement | null }): void {
   useLayoutEffect(() => {
     const before = document.activeElement;

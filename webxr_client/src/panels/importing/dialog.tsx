@@ -1,4 +1,4 @@
-/** Between a drop and an import: what was found, and what a person says it is. */
+/** Dialog between a drop and an import: findings in the files, and corrections of them. */
 import { areReady, partsOfFiles } from '../../engine/import-parts';
 import { FIRST, projects } from '../../engine/projects';
 import { actions } from '../../store/actions';
@@ -227,7 +227,7 @@ function Poses({ found, options }: CorrectedProps) {
   );
 }
 
-/** Corrections of what the files say of themselves. */
+/** Corrections of the files' own data. */
 function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft }) {
   return (
     <details class="import-more" open={error !== ''}>

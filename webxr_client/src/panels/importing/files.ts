@@ -20,7 +20,7 @@ export function pickFiles(folder = false): void {
 }
 
 function importAll(files: readonly ChosenFile[]): void {
-  // Files that systems leave in folders, .DS_Store say, are nobody's recording.
+  // Hidden files of systems, such as .DS_Store, belong to no recording.
   const shown = files.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
   if (shown.length > 0) void actions.importFiles(shown);
 }
@@ -57,7 +57,7 @@ export function acceptDrops(): () => void {
   return () => abort.abort();
 }
 
-/** All files dropped, those inside folders included. */
+/** Return all dropped files, including files in folders. */
 async function filesOf(items: readonly DataTransferItem[]): Promise<ChosenFile[]> {
   // Entries and files must be taken before the first await: the browser empties the list.
   const taken = items.map((item) => [item.webkitGetAsEntry(), item.getAsFile()] as const);

@@ -15,12 +15,12 @@ import { Button } from '../parts/controls';
 import { Choice } from '../parts/fields';
 import { PopoverButton } from '../parts/popover';
 
-/** Pause in typing after which the server is asked, milliseconds. */
+/** Debounce of typing before a request to the server, milliseconds. */
 const PAUSE_MS = 200;
 
 const conditions = signal(NO_CONDITIONS);
 const open = signal(false);
-/** Ids of the recordings that meet the conditions; null: there are none to meet. */
+/** Ids of the recordings that meet the conditions; null: there are no conditions. */
 export const filtered = signal<ReadonlySet<string> | null>(null);
 
 /** A button that opens the conditions, with their number. */

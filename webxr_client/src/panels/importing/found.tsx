@@ -2,18 +2,18 @@
 import type { FileFrame, ImportDraft, ImportPreview, LabelsFound } from '../../store/state';
 import { plural } from '../../common/format';
 
-/** So many files are seen at a glance. */
+/** Most files for which the list is open at first. */
 const OPEN_FILES = 8;
 const LISTED_FILES = 500;
-/** The server's words for its option to match files by their order. */
+/** The server's name of the option to match files by their order. */
 const BY_ORDER = ' (--by-order)';
 
-/** Words of the server as the page says them. */
+/** Return a message of the server without options of the command line. */
 export function onPage(words: string): string {
   return words.replace(BY_ORDER, '');
 }
 
-/** Whether matching files by their order is chosen, or an answer to what the server says. */
+/** Return whether matching by order is chosen, or suggested by a message of the server. */
 export function orderCounts({ options, error, found, labels }: ImportDraft): boolean {
   const said = [error, ...(found?.warnings ?? []), ...(labels?.warnings ?? [])];
   return options.by_order === true || said.some((words) => words.includes(BY_ORDER));
@@ -40,7 +40,7 @@ export function Facts({ found }: { found: ImportPreview }) {
   );
 }
 
-/** Warnings of the server: folded a line each, and the first ones alone where there are many. */
+/** Warnings of the server, each folded to one line; of many only the first ones. */
 export function Warnings({ lines }: { lines: readonly string[] }) {
   if (lines.length === 0) return null;
   return (
@@ -55,7 +55,7 @@ export function Warnings({ lines }: { lines: readonly string[] }) {
   );
 }
 
-/** Table of files and the frames that they are, or are of. */
+/** Table of files and their frames. */
 function Files({ files }: { files: readonly FileFrame[] }) {
   return (
     <details class="import-more" open={files.length <= OPEN_FILES}>
@@ -94,7 +94,7 @@ function Files({ files }: { files: readonly FileFrame[] }) {
 
 type Fact = readonly [name: string, value: string];
 
-/** List of facts by name, without those that have no value. */
+/** List of facts by name, without facts that have no value. */
 function FactList({ rows }: { rows: readonly Fact[] }) {
   return (
     <dl class="import-facts stack small">

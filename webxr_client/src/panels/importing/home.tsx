@@ -22,7 +22,7 @@ import { NextWork, ProjectHead, SettingsButton } from './project-head';
 import { RecordingName, RecordingSearch, renamingRecording, Row } from './recordings';
 
 const FOLDED = 'pointbrush.folded-projects';
-/** Ids of projects whose recordings are not shown. */
+/** Ids of folded projects. */
 const folded = signal<ReadonlySet<string>>(new Set(kept(FOLDED)?.split(' ')));
 
 function fold(id: string): void {

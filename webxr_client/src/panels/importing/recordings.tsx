@@ -100,7 +100,7 @@ function MoveTo({ row }: { row: SequenceSummary }) {
   );
 }
 
-/** The recording whose name is being typed. */
+/** Id of the recording that is being renamed. */
 export const renamingRecording = signal<string | null>(null);
 
 interface RecordingToolsProps {

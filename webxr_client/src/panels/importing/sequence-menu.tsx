@@ -61,7 +61,7 @@ export function SequenceMenu() {
   );
 }
 
-/** So many are listed; a search finds the others. */
+/** Most recordings in the list; a search finds the others. */
 const LISTED = 40;
 
 function Sequences() {

@@ -1,4 +1,4 @@
-/** Before a recording is open: connecting, nothing there yet, or the list of what there is. */
+/** The page without an open recording: connecting, no recordings, or the list of recordings. */
 import { useSignal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { signOut } from '../../engine/sign-out';
@@ -66,7 +66,7 @@ function Waiting({ text }: { text: string }) {
   );
 }
 
-/** Reasons why there is no session, as the address has them. */
+/** Reasons for a missing session, by their names in the address. */
 const REASONS: Readonly<Record<string, string>> = {
   failed: 'The sign-in failed. Try again.',
   out: 'Your edits are stored.',

@@ -107,7 +107,7 @@ function CategoryField({ label }: { label: Label }) {
   );
 }
 
-/** One of those that the project has selected; its own is there, too. */
+/** Choice among the categories that the project has selected and the label's own. */
 function SelectedCategory({ label }: { label: Label }) {
   const choices = [...new Set(['', label.category, ...categoryChoices.value])];
   return (

@@ -1,4 +1,4 @@
-/** One label: its colour, name and counts, and what can be done with it. */
+/** One label: its colour, name, counts and actions. */
 import type { RefObject } from 'preact';
 import { useRef, useState } from 'preact/hooks';
 import { actions } from '../../store/actions';
@@ -165,7 +165,7 @@ function ColorButton({ label }: { label: Label }) {
   );
 }
 
-/** Points in this frame over points in all frames; the head of the list says which is which. */
+/** Points in this frame over points in all frames, as explained in the head of the list. */
 function Counts({ id }: { id: number }) {
   const { here, all } = pointsOf(id);
   return (

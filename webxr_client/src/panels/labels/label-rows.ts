@@ -8,7 +8,7 @@ import { listed, renaming, reordered, shownGroups } from '../../store/palette-li
 /** The row that had the focus last. */
 const visited = signal(0);
 
-/** The label whose row Tab leads to. */
+/** The label with the row that Tab focuses. */
 export const tabStop = computed(() => {
   const palette = listed.value;
   const has = (id: number): boolean => palette.some((label) => label.id === id);
@@ -108,7 +108,7 @@ export function onRowDown(event: PointerEvent, id: number): void {
   row.addEventListener('pointercancel', end, { signal });
 }
 
-/** The label of the first row of this group whose middle lies below the pointer, or null. */
+/** Return the label of the first row of this group with its middle below the pointer, or null. */
 function rowBelow(row: HTMLElement, y: number): number | null {
   const rows = [...row.parentElement!.querySelectorAll<HTMLElement>('.label-row[data-label]')];
   const below = rows.find((one) => {

@@ -55,7 +55,7 @@ function LabelList() {
   const groups = shownGroups.value;
   const numbers = new Map(listed.value.map((label, index) => [label.id, index + 1]));
   const active = state.activeLabel.value;
-  // Chosen by a search, a key or a click into the cloud, it may be far away in the list.
+  // A label chosen by a search, a key or a click into the cloud may be outside the visible list.
   useEffect(() => {
     document
       .querySelector(`#palette [data-label="${active}"]`)
@@ -105,7 +105,7 @@ function NothingFound() {
   );
 }
 
-/** The row of a label whose name is typed for the first time. */
+/** The row of a new label while its name is typed. */
 function NewRow() {
   const draft = newLabel.value;
   if (!draft) return null;
@@ -166,7 +166,7 @@ function Unlabeled() {
   );
 }
 
-/** Above the labels: a search, headings by category, and what the numbers of a row mean. */
+/** Above the labels: a search, headings by category, and the meaning of a row's numbers. */
 const FIELD = 'label-search';
 
 /** Put the cursor into the search. */

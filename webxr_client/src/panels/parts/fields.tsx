@@ -51,7 +51,7 @@ interface ChoiceProps<T extends string> {
   onChange: (value: T) => void;
 }
 
-/** A list to choose from; one whose value is empty goes back to it, as it only begins something. */
+/** A list to choose from; with an empty value it resets after a choice, which starts an action. */
 export function Choice<T extends string>(props: ChoiceProps<T>) {
   const { value, choices, label, tip, class: extra = '', onChange } = props;
   return (
@@ -77,7 +77,7 @@ export function Choice<T extends string>(props: ChoiceProps<T>) {
 }
 
 interface TableProps {
-  /** Words of each column, and what they mean. */
+  /** Heading of each column, and its tooltip. */
   head: readonly (readonly [words: string, tip?: string])[];
   rows: readonly (readonly ComponentChildren[])[];
   class?: string;

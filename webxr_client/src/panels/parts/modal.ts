@@ -1,8 +1,8 @@
-/** Dialogs that leave nothing else to be used while they are open. */
+/** Modal dialogs. */
 import type { RefObject } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 
-/** Open a dialog in the turn in which it is drawn: what is typed next is in its field. */
+/** Open a dialog in the render that adds it, so that the next key is typed into its field. */
 export function useModal(open = true): RefObject<HTMLDialogElement | null> {
   const dialog = useRef<HTMLDialogElement>(null);
   useLayoutEffect(() => {

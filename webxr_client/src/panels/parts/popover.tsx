@@ -41,7 +41,7 @@ export function Popover({ anchor, label, onClose, class: extra = '', children }:
       const target = event.target as Node;
       if (!box.current?.contains(target) && !anchor.current?.contains(target)) onClose();
     };
-    // The focused control may be gone, and the focus with it.
+    // The focused control may have been removed, and the focus with it.
     const unfocused = (event: KeyboardEvent): void => {
       if (event.key !== 'Escape' || document.activeElement !== document.body) return;
       event.stopPropagation();
@@ -107,13 +107,13 @@ interface PopoverButtonProps {
   disabled?: boolean;
   /** Words on the button, and its class. */
   button?: { label: string; class?: string };
-  /** Name of what opens. */
+  /** Name of the popover. */
   label: string;
   class?: string;
   children: ComponentChildren;
 }
 
-/** A button, and what it opens. */
+/** A button and its popover. */
 export function PopoverButton({
   open,
   label,

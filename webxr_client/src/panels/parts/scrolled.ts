@@ -13,7 +13,7 @@ export interface Sight {
   readonly last: number;
 }
 
-/** Follow what is in sight of a box whose rows are as high as the token `--row`. */
+/** Follow the visible part of a box with rows of the height `--row`. */
 export function useSight(): [RefObject<HTMLDivElement | null>, Sight] {
   const box = useRef<HTMLDivElement>(null);
   const [sight, setSight] = useState<Sight>({ first: 0, last: FIRST_ROWS });

@@ -1,4 +1,4 @@
-/** One tooltip for the whole page: whatever has `data-tip` (and `data-keys`) is explained. */
+/** One tooltip for the whole page, for elements with `data-tip` (and `data-keys`). */
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 import { renamedKeys } from '../../store/own-keys';
@@ -7,12 +7,12 @@ interface Tip {
   readonly text: string;
   readonly keys: string;
   readonly at: DOMRect;
-  /** The popover around it, whose other options stay uncovered. */
+  /** The popover around it; the tooltip leaves its other options visible. */
   readonly popover: DOMRect | undefined;
 }
 
 const DELAY_MS = 400;
-/** Pixels to what the tooltip explains, and to the edge of the window. */
+/** Pixels from the tooltip to its element, and to the edge of the window. */
 const [APART, EDGE] = [6, 8];
 const shown = signal<Tip | null>(null);
 

@@ -1,4 +1,4 @@
-/** Frames laid over the one on screen: the switch, how many, and what a stroke then paints. */
+/** Frames laid over the one on screen: the switch, their number, and the frames of a stroke. */
 import { signal } from '@preact/signals';
 import { accumulation, leftOut, MOST_AROUND, placedFrames } from '../../cloud/points/accumulation';
 import { canEdit, patch, state } from '../../store/state';
@@ -84,7 +84,7 @@ function Side({ name, value, most, onInput }: SideProps) {
   );
 }
 
-/** Over the picture while frames are laid over it: what a stroke paints is never a surprise. */
+/** Sign over the picture while frames are laid over it, with the frames that a stroke paints. */
 export function AccumulateSign() {
   if (!accumulation.value.on) return null;
   const shown = placedFrames.value.length;

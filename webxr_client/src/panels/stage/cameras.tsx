@@ -169,7 +169,7 @@ function rasterOf({ width, height }: CameraPicture, across: number): Projected {
   return new Projected(across, Math.max(1, Math.round((across * height) / width)));
 }
 
-/** The place that one points at. */
+/** The place under the pointer. */
 function Spot({ lens }: { lens: Lens }) {
   const at = pointed.value;
   if (!at || !lens.project(...at.place)) return null;

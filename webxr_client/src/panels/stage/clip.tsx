@@ -1,4 +1,4 @@
-/** The clip box: what is shown and can be painted, in the tool bar and over the picture. */
+/** The clip box, which limits shown and painted points, in the tool bar and over the picture. */
 import { signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import { clip } from '../../tools/clip';
@@ -57,7 +57,7 @@ export function ClipButton() {
   ); // prettier-ignore
 }
 
-/** Over the picture while something is left out: what a stroke reaches is never a surprise. */
+/** Sign over the picture while a clip box limits the points that a stroke reaches. */
 export function ClipSign() {
   if (!clip.value || !state.sequence.value) return null;
   return (

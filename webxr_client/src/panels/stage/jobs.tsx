@@ -17,7 +17,7 @@ const TITLE = {
   fitting: 'Fitting boxes',
 } as const;
 
-/** One's own; what others do is told beside the state of the server. */
+/** Cards of the user's own jobs; jobs of other people are shown beside the server's state. */
 export function JobCards() {
   const shown = new Set(ownImports.value);
   const jobs = state.jobs.value.filter((job) => isActive(job) && isMine(job) && !shown.has(job));
@@ -45,7 +45,7 @@ export function JobCards() {
 
 const othersOpen = signal(false);
 
-/** Work of other people, folded: of which recording and whose it is. */
+/** Jobs of other people, folded, with recording and person. */
 export function OthersJobs() {
   const jobs = state.jobs.value.filter((job) => isActive(job) && !isMine(job));
   if (jobs.length === 0) return null;

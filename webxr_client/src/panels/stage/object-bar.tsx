@@ -1,4 +1,4 @@
-/** Over the canvas, at the bottom: what the object tool offers, and what one can do with it. */
+/** Bar at the bottom of the canvas: the object tool's candidate, and actions on it. */
 import { actions } from '../../store/actions';
 import { isStroke, state, trackingJob, type ObjectView } from '../../store/state';
 import { preparation } from '../../tools/preparation';
@@ -55,7 +55,7 @@ function Offer({ object: { level, levels, points, taken, completes } }: { object
   ); // prettier-ignore
 }
 
-/** Carries what was taken through the frames that follow, once the server has counted it. */
+/** Button that tracks the label on from here, after the server has counted its points. */
 function TrackOn() {
   const frame = state.frame.value;
   if (frame + 1 >= (state.sequence.value?.frames ?? 0)) return null;

@@ -1,4 +1,4 @@
-/** Overlay of the canvas: states, progress, what is under the pointer. */
+/** Overlay of the canvas: states, progress, and the point under the pointer. */
 import type { ComponentChild } from 'preact';
 import { useEffect, useState } from 'preact/hooks';
 import { actions } from '../../store/actions';
@@ -151,7 +151,7 @@ function Retry({ at }: { at: number | null }) {
   );
 }
 
-/** Bottom left: what the pointer is on, and whether the frame is complete. */
+/** Bottom left: the point under the pointer, and whether the frame is complete. */
 function Readout() {
   const hover = state.hover.value;
   const { points, total } = state.shown.value;

@@ -1,4 +1,4 @@
-/** Short messages on what happened, at the bottom of the canvas. */
+/** Short messages about events, at the bottom of the canvas. */
 import { actions } from '../../store/actions';
 import { state, type Notice } from '../../store/state';
 import { Button } from '../parts/controls';

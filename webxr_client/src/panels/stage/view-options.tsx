@@ -103,7 +103,7 @@ function SurfaceOptions() {
 
 const overlaysOpen = signal(false);
 
-/** Overlays: the setting, its name, what it is for. */
+/** Overlays: setting, name and purpose. */
 const OVERLAYS: readonly (readonly [
   'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
   string,
@@ -146,7 +146,7 @@ function OverlayOptions() {
   );
 }
 
-/** Legend and range of a colour ramp: the part of the values that it spans, what colours mean. */
+/** Legend and range of a colour ramp: the part of the values that it spans, and their colours. */
 const rampOpen = signal(false);
 
 const RAMPS: readonly RadioOption<Ramp>[] = [

@@ -1,4 +1,4 @@
-/** Over the canvas, top right: where to look from, and what the camera goes along with. */
+/** Top right of the canvas: views, and the object or person that the camera follows. */
 import { signal } from '@preact/signals';
 import { actions, type ViewPreset } from '../../store/actions';
 import { orthographic } from '../../view/framing';

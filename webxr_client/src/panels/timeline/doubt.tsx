@@ -1,4 +1,4 @@
-/** A doubtful frame and the stretch round it, or a run that stopped for doubt: what can be done. */
+/** Actions on a doubtful frame and the stretch around it, or on a run that stopped for doubt. */
 import { actions } from '../../store/actions';
 import { DOUBTFUL_HERE, halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
 import { canEdit, canReview, state, trackingJob } from '../../store/state';
@@ -29,7 +29,7 @@ export function Doubt() {
   );
 }
 
-/** Goes on with the run that stopped here, or tracks on what is `doubtful` here. */
+/** Button that continues the run that stopped here, or tracks on the labels `doubtful` here. */
 function Continue({ doubtful }: { doubtful: boolean }) {
   const run = halted.value;
   const waits = run !== null && run.at === state.frame.value && run.stop !== run.at;

@@ -8,7 +8,7 @@ import { frameToX, runs, ticks, type Run, type Span } from './layout';
 export interface TimelinePicture {
   readonly span: Span;
   readonly frames: number;
-  /** Null: the playhead is drawn by somebody else. */
+  /** Null: the playhead is drawn elsewhere. */
   readonly frame: number | null;
   readonly loaded: readonly LoadedRange[];
   readonly range: FrameRange | null;
@@ -230,7 +230,7 @@ function drawRun(
   hatch(pen, left, top, width, height, ink.bad);
 }
 
-/** Red diagonals: this stretch wants a look. */
+/** Draw red diagonals over a doubtful stretch. */
 function hatch(
   pen: Pen,
   left: number,

@@ -14,7 +14,7 @@ export interface Span {
   readonly length: number;
 }
 
-/** Of kinds that share a pixel the later one here is shown. */
+/** Kinds by severity: of kinds that share a pixel, the last one in this list is shown. */
 const SEVERITY: readonly CellKind[] = [
   'none',
   'tracked',
@@ -35,7 +35,7 @@ export interface Run {
 
 const SHADES = 5;
 
-/** Confidence of what was tracked in frames [from, to), rounded down to a shade. */
+/** Return the confidence of tracking in frames [from, to), rounded down to a shade. */
 function sureness(row: TimelineRow, from: number, to: number): number {
   let least = 1;
   for (let frame = from; frame < to; frame++) least = Math.min(least, row.confidence[frame] || 1);

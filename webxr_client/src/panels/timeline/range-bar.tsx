@@ -4,11 +4,11 @@ import { doubtfulFrames } from '../../store/cells';
 import { state } from '../../store/state';
 import { clampSpan, pan, type Span, stretched } from './layout';
 
-/** Of fewer frames each is wide enough to be seen. */
+/** Least number of frames for the bar; with fewer, each frame is wide enough. */
 const LONG = 240;
 /** Pixels at either end of the bar that change how much is shown. */
 const GRIP = 8;
-/** A key moves by this part of what is shown. */
+/** Part of the visible stretch by which a key moves it. */
 const STEP = 0.25;
 
 interface RangeBarProps {

@@ -1,4 +1,4 @@
-/** Under the pointer on a strip of the timeline: what it says there, and what can be done there. */
+/** State and actions of the cell under the pointer on a strip of the timeline. */
 import { signal } from '@preact/signals';
 import { useRef } from 'preact/hooks';
 import { actions } from '../../store/actions';
@@ -31,7 +31,7 @@ function cellWords(row: TimelineRow | undefined, frame: number): string {
   return words.join(' · ');
 }
 
-/** Beside the pointer over the timeline: a picture of the frame, and what the strip says there. */
+/** Card beside the pointer over the timeline: a picture of the frame, and the cell's state. */
 interface StripHover {
   readonly frame: number;
   /** The label of the strip; null on the ruler. */
@@ -74,7 +74,7 @@ export function StripCard() {
   );
 }
 
-/** On a strip of the timeline, with the right button: what can be done to its label there. */
+/** Menu of the right button on a strip of the timeline: actions on its label there. */
 interface StripPlace {
   readonly label: number;
   readonly frame: number;
