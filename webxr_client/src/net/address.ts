@@ -17,7 +17,7 @@ function count(text: string | null): number {
   return text !== null && /^\d{1,9}$/.test(text) ? Number(text) : 0;
 }
 
-/** The place that an address names; what makes no sense counts as not said. */
+/** Return the place in an address; invalid parts count as missing. */
 export function placeIn(search: string): Place {
   const query = new URLSearchParams(search);
   const view = (query.get('view') ?? '').split(',').map(Number);

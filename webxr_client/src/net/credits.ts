@@ -11,7 +11,7 @@ export class Credits {
   private owed: Credit[] = [];
   private pace: Pace = { points: null };
 
-  /** A new connection: what is owed to the last one is owed to nobody. */
+  /** Reset for a new connection: credits held back for the last one are void. */
   reset(): void {
     this.owed = [];
   }

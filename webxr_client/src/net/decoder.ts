@@ -25,7 +25,7 @@ function receive(message: ToDecoder, socket: MessagePort): void {
     inOrder.add(() => forward(message, socket));
     return;
   }
-  // Pictures are read while those before them are decoded.
+  // Pictures are read while earlier messages are decoded.
   const coming = depth.receive(message.message);
   inOrder.add(async () => handOn(await depth.decode(coming), socket));
 }

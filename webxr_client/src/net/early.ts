@@ -22,7 +22,7 @@ export interface SequenceOut {
   readonly changed: string | null;
   /** Frames with labels. */
   readonly labelled: number;
-  /** Labels, and those of them that have points in some frame. */
+  /** Number of labels, and of labels with points in some frame. */
   readonly labels: number;
   readonly labels_used: number;
   /** Of its import: pictures kept of another one are not shown. */
@@ -67,7 +67,7 @@ export class Early {
   }
 }
 
-/** All recordings that are for whom the page serves; copies among them, see `copy_of`. */
+/** Fetch all recordings that the user may open, including copies (see `copy_of`). */
 export function listSequences(): Promise<SequenceOut[]> {
   return api('GET', 'sequences?copies=true');
 }

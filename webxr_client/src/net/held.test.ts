@@ -68,7 +68,7 @@ describe('what the page holds', () => {
     held.values(values(0, 3, null));
     held.values(values(1, 8, null));
     held.resumed(8);
-    // Edits 4 to 8 were of other frames: the server's delta builds on what was announced.
+    // Edits 4 to 8 were of other frames: the server's delta builds on the announced revision.
     expect(held.values(values(0, 9, 7))).toBe(true);
     expect(held.values(values(1, 12, 11))).toBe(false);
   });

@@ -1,4 +1,4 @@
-/** Record of what the server has sent of each frame, so that a new connection need not send it again. */
+/** Record of the sent parts of each frame, so that a new connection need not send them again. */
 import type { Annotation, Depth, Frame } from '../protocol/messages';
 
 interface Held {
@@ -19,7 +19,7 @@ export class HeldFrames {
     for (const frame of frames) this.frames.delete(frame);
   }
 
-  /** The server answered `open`: what changed up to this revision is on its way, without a gap. */
+  /** The server answered `open`: all changes up to this revision are on their way. */
   resumed(revision: number): void {
     for (const held of this.frames.values()) held.revision = Math.max(held.revision, revision);
   }

@@ -2,7 +2,7 @@
 export class InOrder {
   private last: Promise<void> | null = null;
 
-  /** Do it now, or once all that came before is done; what fails does not keep up the rest. */
+  /** Run work now, or after all earlier work; a failure does not stop later work. */
   add(work: () => void | Promise<void>): void {
     if (this.last === null) {
       const waiting = work();

@@ -8,7 +8,7 @@ const NOTHING: Transferable[] = [];
 
 export class Link {
   private readonly free: ArrayBuffer[] = [];
-  /** Used again and again: what is posted is copied at once. */
+  /** Reused for every message, because posting copies it at once. */
   private sent: { t: 'send'; message: ClientMessage } | null = null;
   private readonly worker = new Worker(new URL('./worker.ts', import.meta.url), {
     type: 'module',
@@ -21,7 +21,7 @@ export class Link {
 
   /** Edits begun here; the worker hears of them a little later. */
   private begun = 0;
-  /** Number of edits without an answer that the worker last told, beyond those it had heard of. */
+  /** Last number of unanswered edits from the worker, minus the edits that it had received. */
   private unanswered = 0;
 
   private listener: ((message: FromWorker) => void) | null = null;

@@ -52,7 +52,7 @@ export class Outbox {
     private readonly now: () => number = Date.now,
   ) {}
 
-  /** Take up what an earlier page left. */
+  /** Load the edits that an earlier page left. */
   async restore(): Promise<void> {
     for (const entry of await this.storage.load()) {
       if (this.entries.has(entry.id)) continue;
@@ -96,13 +96,13 @@ export class Outbox {
     return true;
   }
 
-  /** A recording is gone, and with it what its edits were about. */
+  /** Drop the edits of a deleted recording. */
   abandon(recording: string): boolean {
     const ids = this.of(recording).map((entry) => entry.id);
     return ids.filter((id) => this.settle(id)).length > 0;
   }
 
-  /** A tracking run shows as a job, whose id is its own: one that runs answers the request. */
+  /** Settle requests of tracking runs: a running job with another id is their answer. */
   settleTracks(): string[] {
     const ids = [...this.entries.values()]
       .filter((entry) => entry.first.type === 'track')

@@ -10,7 +10,7 @@ export class Pairing {
 
   constructor(private readonly post: Post) {}
 
-  /** Whole values, which points should follow; those that none follow go alone a moment later. */
+  /** Hold whole values until their points follow; without points, send them after a moment. */
   hold(update: LabelUpdate): void {
     this.flush();
     this.labels = update;

@@ -1,4 +1,4 @@
-/** Plain requests: what is not worth a socket message. */
+/** REST requests, for calls without a socket message. */
 
 export class ApiError extends Error {
   constructor(

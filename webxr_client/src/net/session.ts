@@ -1,6 +1,6 @@
 /**
  * The page's session with the server: the link, the recording that is open, and edits on their way.
- * It survives any number of sockets.  What a browser gives comes in as `Outside`.
+ * It survives any number of sockets.  `Outside` has the functions of the browser.
  */
 import { decode, encode, unpackU16, unpackU32 } from '../protocol/codec';
 import type {
@@ -18,7 +18,7 @@ import { labelBuffers } from './pairing';
 import { MemoryStorage } from './storage';
 import type { Decoded, LinkState, Pace, ToDecoder } from './wire';
 
-/** More than this unsent means that the link is stalled; what can be dropped is dropped. */
+/** Unsent bytes above which the link counts as stalled and droppable messages are dropped. */
 const SEND_LIMIT = 1 << 20;
 const UNAUTHORIZED = 401;
 /** Close codes after which trying again cannot help. */
@@ -50,7 +50,7 @@ export interface Outside {
   /** Reason why the server refuses a socket, in words; empty where it does not. */
   whyRefused(): Promise<string>;
   post(message: ToDecoder, transfer?: Transferable[]): void;
-  /** Call later; returns what undoes it. */
+  /** Call later; the result cancels it. */
   after(ms: number, act: () => void): () => void;
 }
 
@@ -228,7 +228,7 @@ export class Session {
     if (this.recording.state === 'live') this.recording = { ...this.recording, state: 'asked' };
   }
 
-  /** Open again what is open, and hear what changed meanwhile. */
+  /** Open the recording again, to receive the changes since the last answer. */
   private reopen(): void {
     this.unanswered();
     if (this.recording.state !== 'asked') return;
@@ -305,11 +305,11 @@ export class Session {
       if (this.outbox.settleTracks().length > 0) this.report();
     }
     if (message.type !== 'error') return;
-    // Strokes of a revoked token wait for whoever signs in here next.
+    // Strokes of a revoked token wait for the next sign-in on this page.
     if (message.about !== null && message.status === UNAUTHORIZED) return;
     if (message.about !== null) this.settle(message.about);
     else if (this.recording.state === 'asked' && this.recording.revision !== null) {
-      // The server knows no such revision (its database was put back): start from what it has.
+      // The server does not have this revision (its database was restored): open from its newest one.
       this.recording = { ...this.recording, revision: null };
       this.transmit({ ...this.recording.open, revision: null });
     }

@@ -65,7 +65,7 @@ type Plain =
     }
   | { t: 'message'; message: PlainMessage }
   | { t: 'labels'; update: LabelUpdate }
-  /** Edits without an answer, of those that the worker had `heard` begin. */
+  /** Number of unanswered edits, when the worker had received `heard` edits. */
   | { t: 'pending'; count: number; heard: number };
 
 /** The socket's worker to the decoder. */

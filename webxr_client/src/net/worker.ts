@@ -1,5 +1,5 @@
 /**
- * The worker that owns the socket.  What it hears goes to the page by way of the decoder, another
+ * The worker that owns the socket.  Received messages go to the page through the decoder, another
  * worker: a browser reads from a socket only while its thread is free.
  */
 import { SCHEMA_HASH, SUBPROTOCOL } from '../protocol/messages';
@@ -49,7 +49,7 @@ function after(ms: number, act: () => void): () => void {
   return () => clearTimeout(timer);
 }
 
-// The way to the server is long: it need not wait for what the browser keeps on its disk.
+// Connecting takes long: it does not wait for the edits on the browser's disk.
 const session = new Session({ depth: supported, dial, whyRefused, post, after });
 void openStorage().then((storage) => session.restore(storage));
 

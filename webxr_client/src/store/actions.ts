@@ -42,7 +42,7 @@ export interface Actions {
   /** The stretch of frames that is looped, tracked and exported begins, or ends, at this frame. */
   setIn(): void;
   setOut(): void;
-  /** Next (1) or previous (−1) frame whose tracking is doubtful or lost. */
+  /** Next (1) or previous (−1) frame with doubtful or lost tracking. */
   nextDoubtful(direction: 1 | -1): void;
 
   // tools
@@ -53,7 +53,7 @@ export interface Actions {
   nudgeRadius(notches: number): void;
   /** Give up the stroke or outline in progress; false when there is none. */
   cancelStroke(): boolean;
-  /** Close the polygon that is drawn, or take what is in the box; false when there is neither. */
+  /** Close the drawn polygon, or take the points in the drawn box; false when there is neither. */
   closeOutline(): boolean;
   /** Take back the polygon's last corner; false when there is none. */
   takeBackCorner(): boolean;
@@ -69,7 +69,7 @@ export interface Actions {
   endObject(): void;
   setView(settings: Partial<ViewSettings>): void;
   viewFrom(preset: ViewPreset): void;
-  /** Show only what is in a box (null), or in a slab across an axis of the view: x, up, depth. */
+  /** Show only points in a box (null), or in a slab across an axis of the view: x, up, depth. */
   clipTo(slab: 0 | 1 | 2 | null): void;
   /** Put the desk's brush into the middle of the picture. */
   aimAtMiddle(): void;
@@ -131,23 +131,23 @@ export interface Actions {
   acceptHere(): Promise<void>;
   /** The same for all doubtful frames round this one. */
   acceptStretch(): Promise<void>;
-  /** Clear what was found in the doubtful frames round this one. */
+  /** Clear the tracked points in the doubtful frames around this one. */
   clearStretch(): Promise<void>;
   /** Find it anew, from the sure frame beside them. */
   trackStretch(): void;
   /** Take labels from all of their points in frames. */
   clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
-  /** Label points as those at the same place in another frame are. */
+  /** Copy labels from the points at the same place in another frame. */
   copyLabels(labels: readonly number[], source: number, frame: number): Promise<void>;
   /** Accept labels of a frame as they are. */
   acceptLabels(labels: readonly number[], frame: number): Promise<void>;
   /** Track on from this frame, to where a run that stopped was to go. */
   continueRun(): void;
-  /** `keep`: what was found so far stays (tracking). */
+  /** `keep`: the results so far stay (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;
 
   // the floor
-  /** Stand the recording on what a ray meets, with the places pointed at just before. */
+  /** Place the recording on the surface that a ray hits, and on the places chosen just before. */
   pointAtFloor(sample: PointerSample): Promise<void>;
   /** Stand the recording as it was imported. */
   resetFloor(): Promise<void>;
@@ -163,10 +163,10 @@ export interface Actions {
   restoreSequence(identity: string): Promise<void>;
   /** Try again to bring in the labels in a recording's own files. */
   importSourceLabels(id: string): Promise<void>;
-  /** Show what files on the server's machine, or here, are; `takeImport` imports them. */
+  /** Preview files on the server's machine, or here; `takeImport` imports them. */
   importPath(path: string, options?: ImportOptions): Promise<void>;
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
-  /** Say what the files are; null takes an option back. */
+  /** Correct the reading of the files; null takes an option back. */
   correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
   /** The files are labels of a recording, or (null) a recording of their own, or several. */
   retargetImport(sequence: string | null, several?: boolean): Promise<void>;
@@ -174,7 +174,7 @@ export interface Actions {
   includePart(included: boolean, number?: number): void;
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
-  /** Downloads; `frames` like "3:10", empty for all; `val`: those for validation, or "none";
+  /** Downloads; `frames` like "3:10", empty for all; `val`: frames for validation, or "none";
    * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one. */
   loadExportFormats(): Promise<void>;
   exportSequence(
@@ -200,7 +200,7 @@ export interface Actions {
 
 const bound: Partial<Actions> = {};
 
-/** Every action; one that nobody implements (yet) does nothing. */
+/** Every action; an action without an implementation (yet) does nothing. */
 export const actions: Actions = new Proxy(bound, {
   get: (target, name) => target[name as keyof Actions] ?? ((): Promise<void> => Promise.resolve()),
 }) as Actions;

@@ -1,4 +1,4 @@
-/** Boxes of the open recording: what the server told, under the changes that it has not answered. */
+/** Boxes of the open recording: the server's boxes, under changes without an answer. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import type { Box, BoxPose as Pose, Boxes } from '../protocol/messages';
 import { state } from './state';
@@ -29,7 +29,7 @@ export interface BoxPatch {
   readonly heading_known?: boolean;
 }
 
-/** Boxes that changed, and ids of those that are gone; `whole`: these are all. */
+/** Changed boxes, and ids of removed boxes; `whole`: these are all boxes. */
 type Told = Omit<Fixed<Boxes>, 'type' | 'sequence'>;
 
 interface Waiting {
@@ -37,7 +37,7 @@ interface Waiting {
   readonly patch: BoxPatch | null;
 }
 
-/** Boxes as the server told them last, and the revision at which it told each box. */
+/** The server's last boxes, and the revision of each box. */
 const told = signal<ReadonlyMap<number, ObjectBox>>(new Map());
 const revisions = new Map<number, number>();
 /** Changes on their way, oldest first; a null patch removes the box. */
@@ -62,7 +62,7 @@ export const boxedLabels: ReadonlySignal<ReadonlySet<number>> = computed(() => {
   return new Set([...boxes.value.values()].filter(({ poses }) => frame in poses).map(({ label }) => label)); // prettier-ignore
 });
 
-/** A record with some members replaced, and those that are null removed. */
+/** Return a record with some members replaced, and null members removed. */
 function merged<T>(
   before: Readonly<Record<string, T>>,
   changes: Readonly<Record<string, T | null>>,
@@ -90,7 +90,7 @@ export function patched(box: ObjectBox, { poses = {}, attributes, ...rest }: Box
   };
 }
 
-/** Take in what the server tells; what is older than what is known of a box is left. */
+/** Apply boxes from the server; ignore older states of a box. */
 export function takeBoxes({ revision, boxes: some, removed, whole }: Told): void {
   const now = new Map(whole ? [] : told.peek());
   if (whole) revisions.clear();

@@ -1,4 +1,4 @@
-/** Cells of the timeline: what a frame is for a label, and the frames to look at. */
+/** Cells of the timeline: states of a label in frames, and the frames to check. */
 import type { TimelineRow } from './types';
 
 export type CellKind = 'none' | 'tracked' | 'painted' | 'occluded' | 'doubtful' | 'lost';

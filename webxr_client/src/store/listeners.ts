@@ -1,14 +1,14 @@
 /**
- * Listeners of every picture or message.  One that throws costs its own work only: the
- * failure is told once, in words, and the others and the next picture go on.
+ * Listeners of every picture or message.  One that throws loses its own work only: the failure is
+ * reported once, and the other listeners and the next picture continue.
  */
 import { notify } from './state';
 
-/** Failures told so far; a page that fails in ever new ways stops telling. */
+/** Most failures that are reported by one page. */
 const MOST_TOLD = 50;
 const told = new Set<string>();
 
-/** Tell a failure on the console and in a message, each kind of failure once. */
+/** Report a failure on the console and in a message, each kind of failure once. */
 export function tellFailure(error: unknown): void {
   const text = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
   if (told.has(text) || told.size >= MOST_TOLD) return;
@@ -21,7 +21,7 @@ export function tellFailure(error: unknown): void {
       `The rest of the page continues and strokes are kept. Reload the page if a part is missing. (${text})`,
     );
   } catch (second) {
-    // The toast itself may be what fails.
+    // The message itself may fail.
     console.error(second);
   }
 }

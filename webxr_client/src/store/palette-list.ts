@@ -39,7 +39,7 @@ interface LabelGroup {
   readonly labels: readonly Label[];
 }
 
-/** Labels whose name or category has each word of a search, in any case. */
+/** Return the labels with each word of a search in their name or category, in any case. */
 export function matching(palette: readonly Label[], search: string): readonly Label[] {
   const words = search.toLowerCase().split(/\s+/).filter(Boolean);
   if (words.length === 0) return palette;
@@ -79,8 +79,8 @@ export function reordered(
   return [...rest.slice(0, at), moved, ...rest.slice(at)];
 }
 
-/** The label whose menu is open. */
+/** The label with an open menu. */
 export const menuOf = signal<number | null>(null);
 
-/** The label whose name is being typed. */
+/** The label that is being renamed. */
 export const renaming = signal<number | null>(null);

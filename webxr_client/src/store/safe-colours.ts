@@ -1,4 +1,4 @@
-/** Label colours of this person: the usual ones, or those that colour-blind eyes tell apart. */
+/** Label colours of this person: the usual ones, or a set for colour-blind people. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { LABEL_COLORS, SAFE_COLORS } from '../common/colors';
 import { keep, kept } from './kept';

@@ -1,7 +1,7 @@
 /**
  * The one client store.  The engine (net, cloud, tools) writes it; panels and the headset read it
  * and ask for changes through `actions`.  Brush and view settings are the user's own: panels may
- * write those two signals directly.
+ * write these two signals directly.
  *
  * Read with `.value` in components (they re-render), with `peek` (`watch.ts`) in render loops.
  */
@@ -67,7 +67,7 @@ export const state = {
   /** The view has been chosen for the open recording, by its first picture. */
   framed: signal(false),
 
-  /** The playhead, an integer frame number; what is drawn (`shown`) may lag behind it. */
+  /** The playhead, an integer frame number; the drawn frame (`shown`) may lag behind it. */
   frame: signal(0),
   playing: signal(false),
   /** −16..16, times the recording's own rate. */
@@ -162,7 +162,7 @@ function isOf({ sequence }: Job, open: SequenceInfo | null): boolean {
   return sequence === null || sequence === open?.id;
 }
 
-/** Whether this person began a job; everything counts as theirs until the server has told who they are. */
+/** Whether this person began a job; true for every job until the account is known. */
 export function isMine({ owner }: Pick<Job, 'owner'>): boolean {
   const me = state.me.value;
   return me === null || owner === '' || owner === me.account;
@@ -182,7 +182,7 @@ export const importJob: ReadonlySignal<Job | null> = computed(
 /** Whether this person may change labels. */
 export const canEdit: ReadonlySignal<boolean> = computed(() => includes('annotator'));
 
-/** Whether this person may accept what tracking found. */
+/** Whether this person may accept tracked labels. */
 export const canReview: ReadonlySignal<boolean> = computed(() => includes('reviewer'));
 
 /** Whether this person may import, rename and delete recordings. */
@@ -220,7 +220,7 @@ let noticeId = 0;
 /** Messages at once; of more the oldest goes that is no error. */
 const MOST_NOTICES = 3;
 const SHOWN_MS = 4000;
-/** So long one can still take back what happened. */
+/** Time for which a message with an action to undo is shown, milliseconds. */
 const SHOWN_WITH_ACTION_MS = 12_000;
 
 /** Show a message, and return its id; `info` and `success` leave by themselves. */

@@ -90,7 +90,7 @@ export type StrokeTool = 'paint' | 'erase' | 'delete' | 'restore';
 
 /**
  * Use of the button or trigger. `navigate`: moves the camera; `pick`: takes a label; `floor`:
- * points at what the recording stands on; `boxes`: chooses and changes boxes of objects.
+ * points at the floor; `boxes`: chooses and changes boxes of objects.
  */
 export type Tool = StrokeTool | 'navigate' | 'pick' | 'floor' | 'boxes';
 
@@ -129,11 +129,11 @@ export interface ObjectView {
   readonly level: number;
   /** Points of that level. */
   readonly points: number;
-  /** The whole frame is prepared; else answers come from what is near. */
+  /** The whole frame is prepared; otherwise candidates come from points near the clicks. */
   readonly ready: boolean;
   /** An object was taken: clicks refine it. */
   readonly taken: boolean;
-  /** A stroke was drawn, and this is what it would be completed to. */
+  /** The candidate is the object that a drawn stroke can be completed to. */
   readonly completes: boolean;
 }
 
@@ -186,7 +186,7 @@ export interface ViewSettings {
   readonly ghost: boolean;
 }
 
-/** View of what is on screen now. */
+/** Description of the frame on screen. */
 export interface Shown {
   readonly frame: number;
   /** Points loaded of `total`; fewer while the frame still sharpens. */

@@ -6,7 +6,7 @@ import { Listeners } from '../../store/listeners';
 import { Timing } from './timing';
 
 export class Afterwards {
-  /** Work that is done each time that somebody asks for it. */
+  /** Work that runs after each call of `ask`. */
   readonly runs = new Listeners();
   readonly ms = new Timing();
   /** Whether times are taken. */

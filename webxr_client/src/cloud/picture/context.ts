@@ -10,8 +10,8 @@ const CONTEXT: WebGLContextAttributes = {
 };
 
 /**
- * Let the headset's pictures be antialiased though the desk's are not, whose points are drawn aside:
- * three.js makes a session's layer like the canvas's context, so that this one claims to be.
+ * Make the headset's pictures antialiased while the desk's, which draw points to a texture, are not:
+ * three.js creates a session's layer like the canvas's context, which reports antialiasing here.
  */
 export function antialiasHeadset(canvas: HTMLCanvasElement): void {
   const gl = canvas.getContext('webgl2', CONTEXT);

@@ -57,7 +57,7 @@ interface Entry {
   group: null;
 }
 
-/** Things of one kind: `entries` are those of this picture once `finish` was called. */
+/** Things of one kind; after `finish`, `entries` are the entries of this picture. */
 class Kept {
   readonly entries: Entry[] = [];
   private readonly pool: Entry[] = [];
@@ -76,7 +76,7 @@ class Kept {
   ): void {
     let entry = this.pool[this.count];
     if (!entry) {
-      // The depth begins as a fraction: what begins whole is boxed for good.
+      // The depth begins as a fraction: V8 boxes a field that begins as an integer.
       entry = { id: 0, object, geometry, material, materialVariant: 0, groupOrder, renderOrder: 0, z: 0.5, group: null }; // prettier-ignore
       this.pool.push(entry);
     }
@@ -102,7 +102,7 @@ class Kept {
   }
 }
 
-/** Let a scene's lists keep what they are made of, as long as the renderer lives. */
+/** Make a scene's draw lists reuse their entries, as long as the renderer exists. */
 export function keepLists(renderer: WebGLRenderer, scene: Scene): void {
   const solid = new Kept();
   const clear = new Kept();

@@ -10,7 +10,7 @@ const NO_SHADING: Shading = [0, 1];
 const EDGE_SHADING: Shading = [4, 0.67];
 /** Of all shapes, which plain points show by nothing else. */
 const SHAPE_SHADING: Shading = [60, 0.2];
-/** Pixels between a place and those that tell whether it is at an edge. */
+/** Pixels between a place and the places that are compared with it to find edges. */
 const EDGE = 1.5;
 
 export class EyeDome {

@@ -31,7 +31,7 @@ export class PointBuffers {
     return buffer;
   }
 
-  /** `count` points, from a piece on; those of its segment lie together. */
+  /** Write `count` points, from a piece on; the points of its segment are contiguous. */
   writeVertices(first: number, { segment, words }: Piece, count: number): void {
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.vertices);

@@ -10,7 +10,7 @@ function eye(): PerspectiveCamera {
   return camera;
 }
 
-/** Depth that the GPU computes, in its 32-bit floats, for what is `away` metres ahead. */
+/** Depth that the GPU computes, in its 32-bit floats, for a point `away` metres ahead. */
 function depth(camera: PerspectiveCamera, away: number): number {
   const at = new Vector4(0, 0, -away, 1).applyMatrix4(camera.projectionMatrix);
   return Math.fround(Math.fround(at.z) / Math.fround(at.w));

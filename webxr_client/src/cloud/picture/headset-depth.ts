@@ -1,8 +1,8 @@
 /**
  * Depth in the headset: hands are centimetres from the eyes while a street goes on for hundreds of
- * metres.  The near plane is close whatever the recording's size, and depth is reversed where the
- * browser has EXT_clip_control (1 at the near plane, 0 at the far one): floating point is finest
- * near 0, so that what is far away keeps its order.  Elsewhere depth is the usual one.
+ * metres.  The near plane is close for recordings of any size, and depth is reversed if the browser
+ * has EXT_clip_control (1 at the near plane, 0 at the far one): floating point is finest near 0, so
+ * that distant surfaces keep their order.  Other browsers use the usual depth.
  */
 import type { Camera, Matrix4, PerspectiveCamera, WebGLRenderer } from 'three';
 

@@ -146,7 +146,7 @@ export class LargeCloud {
     this.select();
   }
 
-  /** Show what the limit allows of what is here. */
+  /** Show as many loaded chunks as the limit allows. */
   private select(): void {
     const rank = (page: Page): number => this.ranks.get(page.piece!.index) ?? Infinity;
     const held = this.pages.filter((page) => page.piece);
@@ -162,7 +162,7 @@ export class LargeCloud {
     this.setDensities(held.filter((page) => page.points.visible));
   }
 
-  /** A coarse chunk's points become as small as those of the finest chunks below it. */
+  /** Make a coarse chunk's points as small as the points of the finest chunks below it. */
   private setDensities(shown: readonly Page[]): void {
     const depths = new Map<number, number>();
     const indices = shown.map((page) => page.piece!.index).sort((one, other) => other - one);

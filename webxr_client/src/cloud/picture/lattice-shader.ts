@@ -14,7 +14,7 @@ uniform ivec4 grids[2];         // of points, and of the surface: columns, rows,
 uniform mat4 rays;              // T_local_pixel: of 1, a depth, the depth times column and row
 uniform vec2 steps;             // at one unit of depth: metres between neighbours; units on the steepest surface
 #ifdef PLACED
-// Objects in it lie elsewhere than what is round them: no surface goes from one to the other.
+// Objects in it are placed separately from their surroundings: no surface connects the two.
 #define surfaceOn false
 #else
 #define surfaceOn (settings[8].w > 0.5)
@@ -100,7 +100,7 @@ vec4 colourOf(ivec2 pixel) {
 }
 `;
 
-/** After the test of what is hidden: whether a pixel is drawn, as a point or in the surface. */
+/** After the test for hidden points: whether a pixel is drawn, as a point or in the surface. */
 export const LATTICE_DRAWN = /* glsl */ `
 // Whether a neighbour carries the surface on: it is neither hidden nor behind an edge on its far side.
 bool carries(ivec2 pixel, ivec2 way, float depth) {

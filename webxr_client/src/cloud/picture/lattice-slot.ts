@@ -121,7 +121,7 @@ export function stepsOf({ unit, pitch }: Lattice): Vector2 {
 
 /** Cells along each side of a tile: triangles that follow one another share corners. */
 const TILE = 16;
-/** Grids whose triangles are kept: all levels of one lattice. */
+/** Most grids with cached triangles: all levels of one lattice. */
 const MOST_GRIDS = 16;
 const NOTHING = new BufferGeometry();
 NOTHING.boundingSphere = new Sphere();

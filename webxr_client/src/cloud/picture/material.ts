@@ -62,7 +62,7 @@ const [NONE, BALL, RAY] = [0, 1, 2];
 export class PointUniforms {
   readonly settings = { value: new Float32Array(4 * SETTING_ROWS) };
   readonly palette: IUniform<DataTexture>;
-  /** The room by whose axes points are coloured by their normals; null: they have their colours. */
+  /** The room with the axes for colours of normals; null: points have their own colours. */
   normals: Matrix4 | null = null;
   private pointSize = 1;
   private widest = WIDEST;
@@ -142,7 +142,7 @@ export class PointUniforms {
     value[BRUSH_MODE] = RAY;
   }
 
-  /** Only what lies in a clip box is drawn: `T_cube_local`; null: everything. */
+  /** Draw only points in a clip box: `T_cube_local`; null: all points. */
   setClip(matrix: Matrix4 | null): void {
     const { value } = this.settings;
     value.fill(0, CLIP, CLIP + 12);
@@ -166,7 +166,7 @@ export class PointUniforms {
     this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
   }
 
-  /** Alpha of the points tells what a click would take. */
+  /** Mark the points of a click's candidate by their alpha. */
   setOutlining(on: boolean): void {
     this.settings.value[OUTLINING] = on ? 1 : 0;
   }
@@ -201,7 +201,7 @@ export class PointUniforms {
 export class ChunkTable {
   readonly texture: DataTexture;
   private readonly data = new Float32Array(MAX_CHUNKS * 8);
-  /** The same memory: what three.js has not uploaded by itself it copies without more ado. */
+  /** The same memory: three.js copies from a texture that it has not uploaded itself. */
   private readonly source: DataTexture;
   /** The rows that changed. */
   private readonly changed = new Box2(new Vector2(), new Vector2(2, 0));

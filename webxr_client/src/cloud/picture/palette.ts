@@ -3,7 +3,7 @@ import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from 'three'
 import type { Label } from '../../protocol/messages';
 
 const SIDE = 256;
-/** Shows what a click would take: lighter than the label that it would get. */
+/** Id of the points of a click's candidate: lighter than the label that they would get. */
 export const PREVIEW = 65534;
 /** The first of as many ids as a classifier may have classes: the class predicted for a point. */
 export const PREDICTED = 65024;
@@ -13,7 +13,7 @@ export const DOUBT = 65280;
 export const DOUBT_STEPS = 64;
 /** Points of a place that is asked about: white, and in the headset they pulse. */
 export const ASKED = 65344;
-/** The first of ids for what no label here tells: labels of a copy, and differences of two. */
+/** The first of the ids for labels of a copy, and for differences of two copies. */
 export const OTHERS = 65345;
 export const MOST_OTHERS = 128;
 /** Share of white in the preview's colour. */
@@ -23,7 +23,7 @@ export const FLAG_VISIBLE = 128;
 export const FLAG_SPARED = 64;
 /** A person should look at it: it pulses in the headset. */
 export const FLAG_UNSURE = 32;
-/** A classifier's word, no label: drawn smaller and paler. */
+/** A classifier's prediction, not a label: drawn smaller and paler. */
 export const FLAG_PREDICTED = 8;
 /** Hidden for all, although it may be solo here. */
 export const FLAG_HIDDEN = 16;
@@ -42,9 +42,9 @@ export class PaletteTexture {
     this.set([], null, []);
   }
 
-  /** `solo`: the only label shown, or null; `unsure`: those that a person should look at. */
+  /** `solo`: the only label shown, or null; `unsure`: labels that a person should check. */
   set(labels: readonly Label[], solo: number | null, unsure: readonly number[]): void {
-    // A label that this page has not heard of yet shows grey rather than vanish.
+    // A label that this page has not received yet is grey instead of invisible.
     for (let i = 0; i < 4 * PREDICTED; i += 4) {
       this.data[i] = this.data[i + 1] = this.data[i + 2] = 160;
       this.data[i + 3] = FLAG_VISIBLE;
@@ -76,7 +76,7 @@ export class PaletteTexture {
     this.texture.needsUpdate = true;
   }
 
-  /** Colours of what a classifier says, of the ids from `PREDICTED` or `DOUBT` on, "#rrggbb". */
+  /** Set the colours of predictions or doubts, ids from `PREDICTED` or `DOUBT` on, "#rrggbb". */
   setPredicted(first: number, colors: readonly string[]): void {
     this.paint(first, colors, FLAG_VISIBLE | FLAG_PREDICTED);
   }

@@ -57,7 +57,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define clipY settings[11]
 #define clipZ settings[12]
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
-#define outlining settings[6].w                 // 1: alpha tells what a click would take
+#define outlining settings[6].w                 // 1: alpha marks the points of a click's candidate
 
 out vec4 shade;
 #ifndef SURFACE
@@ -286,8 +286,8 @@ void main() {
 `;
 
 /**
- * Darkens what lies behind its neighbours: shape without normals (Boucheny 2009).  Points of half
- * alpha, what a click would take, have a white edge with a dark one round it, on any colour.
+ * Darkens points behind their neighbours: shape without normals (Boucheny 2009).  Points of half
+ * alpha, a click's candidate, have a white edge with a dark one around it, on any colour.
  */
 export const EYE_DOME_FRAGMENT = /* glsl */ `
 precision highp float;
@@ -295,8 +295,8 @@ precision highp sampler2D;
 uniform sampler2D points;
 uniform sampler2D depths;
 uniform vec2 texel;
-uniform vec3 clip;       // near, far; orthographic: what a metre counts, else 0
-uniform vec2 shading;    // strength, 0: none; what the darkest edge keeps of its light
+uniform vec3 clip;       // near, far; orthographic: weight of a metre, else 0
+uniform vec2 shading;    // strength, 0: none; share of light that the darkest edge keeps
 uniform float outline;   // pixels of the edge, 0: none
 in vec2 uv;
 out vec4 result;

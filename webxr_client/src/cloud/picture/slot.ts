@@ -8,7 +8,7 @@ export abstract class Slot {
   frame: CloudFrame | null = null;
   /** Points that are on the GPU. */
   protected uploaded = 0;
-  /** The room by whose axes points are coloured by their normals. */
+  /** The room with the axes for colours of normals, or null. */
   protected normals: Matrix4 | null = null;
   protected pointsVersion = -1;
   protected labelsVersion = -1;
@@ -25,7 +25,7 @@ export abstract class Slot {
     this.labels = new Uint16Array(capacity);
   }
 
-  /** Bring the GPU up to date with a frame: only what is new goes over. */
+  /** Bring the GPU up to date with a frame; upload only changes. */
   upload(frame: CloudFrame): void {
     const { normals } = this.uniforms;
     if (this.frame !== frame || frame.loaded < this.uploaded || this.normals !== normals) {
@@ -70,7 +70,7 @@ export abstract class Slot {
   setLimit(limit: number): void {
     this.limit = limit;
     const { frame } = this;
-    // A frame that was dropped meanwhile says nothing any more of what is on the GPU.
+    // A frame that was dropped no longer describes the points on the GPU.
     if (!frame || frame.loaded < this.uploaded) return;
     if (pointsWithin(frame, limit) !== this.shownPoints) this.cut(frame);
   }

@@ -42,7 +42,7 @@ export class SurfaceChoice {
     return (this.on = this.hasGaps(image, (spacing * scale) / most));
   }
 
-  /** Whether enough of what is in view is nearer than `reach` metres for each unit of its depth. */
+  /** Return whether enough visible pixels are nearer than `reach` metres for each unit of depth. */
   private hasGaps({ lattice: { width, height }, depths }: DepthImage, reach: number): boolean {
     const { at, clipFromPixel } = this;
     let inView = 0;

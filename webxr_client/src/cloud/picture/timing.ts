@@ -5,7 +5,7 @@ const LENGTH = 256;
 export class Timing {
   private readonly values = new Float32Array(LENGTH);
   private count = 0;
-  /** Moment of the last mark; −1 when what came before does not count. */
+  /** Time of the last mark; −1 if there is none to measure from. */
   private readonly marked = Float64Array.of(-1);
 
   add(ms: number): void {

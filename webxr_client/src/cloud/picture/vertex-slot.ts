@@ -1,4 +1,4 @@
-/** A frame whose points are vertices, in preallocated buffers. */
+/** A frame with points as vertices, in preallocated buffers. */
 import { free } from '../../common/free';
 import { Points } from 'three';
 import type { BufferGeometry, RawShaderMaterial, WebGLRenderer } from 'three';

@@ -163,7 +163,7 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** Ramps run over what the recording's first frame on screen has, strays left out. */
+  /** Fit the ramps to the values of the recording's first frame on screen, without outliers. */
   private fitRamps(frame: CloudFrame): void {
     const spread = spreadOf(frame, this.room.matrix);
     if (!spread) return;
@@ -218,7 +218,7 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** Colour points by their normals, or no more; they are computed for what is on screen. */
+  /** Colour points by their normals, or not; normals are computed for the frame on screen. */
   private showNormals(on: boolean): void {
     const { uniforms, room, shown } = this;
     if (on === (uniforms.normals !== null)) return;
@@ -248,8 +248,8 @@ export class Viewer {
   }
 
   /**
-   * Chunks of a large frame, those first that matter most from where one stands: they are drawn
-   * first under a limit.  `parents`: for each chunk the one above it in the octree, −1 at the root.
+   * Set the order of a large frame's chunks, the most important for the view first: a limit draws
+   * the first ones.  `parents`: for each chunk the one above it in the octree, −1 at the root.
    */
   setOrder(order: readonly number[], parents: readonly number[]): void {
     this.order = [order, parents];
@@ -270,7 +270,7 @@ export class Viewer {
     this.dirty = true;
   }
 
-  /** Height of what one eye sees, in pixels. */
+  /** Height of one eye's picture, in pixels. */
   get viewHeight(): number {
     const { xr } = this.renderer;
     return xr.isPresenting ? xr.getCamera().cameras[0].viewport.w : this.size.y;

@@ -1,4 +1,4 @@
-/** Frames laid over the one on screen: how many are wanted, and which are there. */
+/** Frames laid over the one on screen: the wanted number, and the loaded frames. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
 import { layersOf, type Layer, type PlacedFrame } from './layer';
 
@@ -14,7 +14,7 @@ export const MOST_AROUND = 500;
 
 export const accumulation = signal<Accumulation>({ on: false, before: 5, after: 5 });
 
-/** Frames over the one on screen now, the nearest first; none while time runs. */
+/** Frames over the one on screen now, the nearest first; none during playback. */
 export const placedFrames = signal<readonly PlacedFrame[]>([]);
 
 /** Frames that are wanted but not shown: too many points for one picture. */

@@ -1,4 +1,4 @@
-/** Clip boxes: the places that one shows. */
+/** Clip boxes, and tests for places inside. */
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import type { ClipBox } from '../../protocol/messages';
 

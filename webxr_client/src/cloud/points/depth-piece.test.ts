@@ -22,7 +22,7 @@ const COLOURS: Colours = {
   step: 2,
 };
 
-/** A wall two metres away: every second pixel of every second row, then those between in these rows. */
+/** A wall two metres away: every second pixel of every second row, then the pixels between them. */
 function wall(level: 0 | 1, colours: Colours | null): Segment {
   const half = SIDE / 2;
   const pixels = Array.from(

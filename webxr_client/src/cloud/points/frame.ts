@@ -11,7 +11,7 @@ import { depthPiece } from './depth-piece';
 import { merged, sorted, type Overlay } from './overlay';
 import { applyDelta, applyRuns, lowerBound, pieceOf, type Piece } from './piece';
 
-/** Ids of points: of all in stored order, or of those with ascending stored `numbers`. */
+/** Ids of all points in stored order, or of the points with ascending stored `numbers`. */
 export interface Predicted {
   readonly numbers: Uint32Array | null;
   readonly ids: Uint16Array;
@@ -199,14 +199,14 @@ export class CloudFrame {
     }
   }
 
-  /** Show what is predicted of points without a label; null: nothing. */
+  /** Show predictions on points without a label; null: none. */
   predict(values: Predicted | null): void {
     if (values === null && this.predicted === null) return;
     this.predicted = values;
     this.labelsVersion += 1;
   }
 
-  /** Write what is predicted of the points from `first` on into `out` where it is 0. */
+  /** Write predictions of the points from `first` on into `out` where it is 0. */
   fillPredicted(out: Uint16Array, first: number, count: number): void {
     if (!this.predicted) return;
     const { numbers, ids } = this.predicted;
@@ -218,7 +218,7 @@ export class CloudFrame {
     }
   }
 
-  /** `gatherLabels`, with what is predicted where there is no label. */
+  /** `gatherLabels`, with predictions on points without a label. */
   gatherShown(out: Uint16Array, count = this.loaded): void {
     this.gatherLabels(out, count);
     this.fillPredicted(out, 0, count);
@@ -244,7 +244,7 @@ export class CloudFrame {
 
   /**
    * The label of a point as shown: overlays first.  With `edit`: as the server will find it when it
-   * applies that edit, after those on their way before it.
+   * applies that edit, after the earlier edits on their way.
    */
   labelOf(number: number, edit?: string): number {
     let value = this.storedLabelOf(number);
@@ -267,7 +267,7 @@ export class CloudFrame {
     this.labelsVersion += 1;
   }
 
-  /** Add to an overlay; where both say something, the new values count. */
+  /** Add to an overlay; new values replace its values of the same points. */
   mergeOverlay(id: string, indices: Uint32Array, values: Uint16Array): void {
     const before = this.overlays.get(id);
     const news = sorted({ indices, values });

@@ -13,8 +13,8 @@ const corner = new Float64Array(3);
 
 /**
  * Call `found` with each point inside `outline` (even-odd rule).  `clip`: row-major
- * `clip_from_local`; points behind the camera's near plane are never taken, nor those outside
- * `box` (`T_cube_local`).
+ * `clip_from_local`; points behind the camera's near plane or outside `box` (`T_cube_local`) are
+ * never taken.
  */
 export function insideOutline(
   frame: CloudFrame,

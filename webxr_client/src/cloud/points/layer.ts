@@ -1,4 +1,4 @@
-/** Frames laid over the one on screen: where they lie, and what a ray meets first among all of them. */
+/** Frames laid over the one on screen: their placements, and the first hit of a ray on all of them. */
 import type { Vec } from '../../store/types';
 import { Matrix4, Vector3 } from 'three';
 import type { CloudFrame } from './frame';
@@ -13,7 +13,7 @@ export interface PlacedFrame {
   readonly moving: ReadonlyMap<number, Matrix4>;
 }
 
-/** Points that lie by one transform: those of a frame that stand still, or one object in it. */
+/** Points with one transform: the static points of a frame, or one object in it. */
 export interface Layer {
   readonly frame: CloudFrame;
   /** `T_layer_shown`. */
@@ -22,7 +22,7 @@ export interface Layer {
   readonly holds: (label: number) => boolean;
 }
 
-/** A hit, and the frame whose point was met. */
+/** A hit, and the frame of its point. */
 export interface LayerHit extends Hit {
   readonly frame: CloudFrame;
 }

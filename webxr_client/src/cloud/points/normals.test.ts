@@ -11,7 +11,7 @@ function normalsOf(points: readonly Vector[], room = new Matrix4()): number[][] 
   return points.map((_, i) => [0, 1, 2].map((k) => (colours[3 * i + k]! - 128) / 127));
 }
 
-/** The part of the points whose normal lies within about 15 degrees of the one that is true. */
+/** The part of the points with a normal within about 15 degrees of the true one. */
 function right(found: readonly number[][], truth: (i: number) => Vector): number {
   const near = found.filter((n, i) => {
     const [x, y, z] = truth(i);
@@ -33,7 +33,7 @@ it('has one direction all over a plane, towards the sensor, through noise as wel
   for (const height of [() => 0, noise]) {
     expect(right(normalsOf(plane(40, height)), () => [0, 0, -1])).toBeGreaterThan(0.95);
   }
-  // The room turns it: what faced the sensor faces up.
+  // The room turns it: the side that faced the sensor faces up.
   const up = new Matrix4().makeRotationX(Math.PI / 2);
   expect(
     right(

@@ -9,7 +9,7 @@ const CELL = 2;
 const LEAST = 4;
 /** Sums of a cell: points, x y z, and xx xy xz yy yz zz. */
 const SUMS = 10;
-/** Colour of points whose neighbours make no surface. */
+/** Colour of points without a surface among their neighbours. */
 const NONE = 128;
 
 /** Size code of a point → power of two of its cell's width, metres. */

@@ -1,4 +1,4 @@
-/** Labels over labels: what a stroke or a run shows before the server has answered. */
+/** Overlays of labels, shown by a stroke or a run before the server has answered. */
 
 /** Labels shown over the server's own until it answers: a stroke, a tracking run. */
 export interface Overlay {
@@ -27,7 +27,7 @@ export function sorted(overlay: Overlay): Overlay {
   };
 }
 
-/** Two overlays in order as one; where both say something, `news` counts. */
+/** Merge two ordered overlays; values of `news` replace values of the same points. */
 export function merged(before: Overlay, news: Overlay): Overlay {
   const most = before.indices.length + news.indices.length;
   const indices = new Uint32Array(most);

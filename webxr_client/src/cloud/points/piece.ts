@@ -1,4 +1,4 @@
-/** The points of one chunk in the page's memory, and what is known of them. */
+/** The points of one chunk in the page's memory, with their labels. */
 import type { LabelUpdate } from '../../net/wire';
 import { spacingOf, STRIDE, WORDS, type SegmentChunk } from '../../net/chunk/segment';
 import { boundBlocks } from './blocks';

@@ -13,7 +13,7 @@ export interface Playhead {
 export class FrameStore {
   private readonly frames = new Map<number, CloudFrame>();
   private bytes = 0;
-  /** Counts changes of what is loaded, for the buffer bar. */
+  /** Counts changes of the loaded points, for the buffer bar. */
   version = 0;
 
   constructor(
@@ -43,7 +43,7 @@ export class FrameStore {
     return this.frames.values();
   }
 
-  /** Take in points; false when they do not join on to what is here. */
+  /** Take in points; return false if they do not continue the loaded ones. */
   add(segment: Segment): boolean {
     const frame = this.ensure(segment.frame);
     const before = frame.bytes;
@@ -73,8 +73,8 @@ export class FrameStore {
   }
 
   /**
-   * Drop frames until the budget holds: those that playing reaches last go first.  Never the
-   * playhead's own, nor those to keep.
+   * Drop frames until the budget holds, the last ones in the order of playback first; never the
+   * playhead's own frame or the frames to keep.
    */
   evict(playhead: Playhead, keep: readonly number[]): CloudFrame[] {
     if (this.bytes <= this.budget) return [];

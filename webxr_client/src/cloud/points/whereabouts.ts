@@ -16,7 +16,7 @@ let labels = new Uint16Array(0);
 
 /** Null where the frame has no point of the label, as shown. */
 export function whereIs(frame: CloudFrame, label: number): Whereabouts | null {
-  // Chunks of large frames come in any order: numbers go beyond what is loaded.
+  // Chunks of large frames arrive in any order: numbers may exceed the count of loaded points.
   if (labels.length < frame.total) labels = new Uint16Array(frame.total);
   frame.gatherLabels(labels, frame.total);
   const sums = [0, 0, 0];

@@ -3,7 +3,7 @@ import { sizeCode, SIZE_CODES, STRIDE } from './segment';
 
 /** A point without neighbours is drawn this large for its distance from the sensor, and so many metres at least. */
 const [LONE, LEAST_LONE] = [0.005, 0.005];
-/** Points whose common extent gives the local spacing; every eighth is looked at. */
+/** Points of a run, which give the local spacing by their extent; every eighth is used. */
 const RUN = 64;
 const EVERY = 8;
 /** Words of 32 bits in a vertex. */
@@ -43,9 +43,9 @@ export type Vector = readonly [number, number, number];
  * differences to green, or without their lowest bits (`flags`), their own values.
  *
  * Neighbours in Morton order are neighbours in space, so a run of them covers a patch of surface
- * whose area says how far its points lie apart.  A run across an edge measures the gap instead;
- * it is put right by the rule that most runs follow: spacing grows with the distance from the
- * sensor (cameras, lidars), or is the same everywhere (merged scans).
+ * with an area that gives the distance between its points.  A run across an edge measures the gap
+ * instead; it is corrected by the rule that most runs follow: spacing grows with the distance from
+ * the sensor (cameras, lidars), or is the same everywhere (merged scans).
  * `vertices` is a view of the chunk's points, 3 uint32 each: x y, z r g, b i and the stamp.
  */
 export function finishChunk(
@@ -159,7 +159,7 @@ function measure(
 ): void {
   const [ox, oy, oz] = origin;
   const [sx, sy, sz] = scale;
-  // In a chunk of many runs a patch looks like the next one: two share what is measured of one.
+  // In a chunk of many runs, patches resemble their neighbours: two share one measurement.
   const step = runs > MANY ? 2 : 1;
   for (let run = 0; run < runs; run += step) {
     const first = run * RUN;

@@ -37,7 +37,7 @@ export interface Colours {
   readonly bytes: Uint8Array<ArrayBuffer>;
   /**
    * Of red, green and blue, or luma and the two chromas: the first byte, bytes a row, pixels that
-   * share a value (powers of two: to the right, and 16 times those down), and bytes a value.
+   * share a value (power of two to the right, plus 16 times the power down), and bytes a value.
    */
   readonly planes: Int32Array;
   /** The planes are luma and chroma (JFIF). */

@@ -12,9 +12,9 @@ import {
 import { inOneMemory, instantiate, type Decode } from './kernel';
 import { bandsOf, FARTHEST, firstStep, pixelsOf, type Band } from './lattice';
 
-/** State of a frame that its later chunks need of those before them. */
+/** State of a frame's earlier chunks that its later chunks need. */
 export interface Known {
-  /** Distance between the pixels that came, and what these hold, row by row. */
+  /** Distance between the received pixels, and their values, row by row. */
   readonly step: number;
   readonly pixels: Uint16Array;
 }
@@ -38,7 +38,7 @@ export class Camera {
     return this.arrays.depths;
   }
 
-  /** Begin with what came of a frame before, or with nothing. */
+  /** Begin with the earlier pixels of a frame, or with none. */
   restore(known: Known | null, listed: Uint16Array): void {
     const { image, depths } = this.arrays;
     image.fill(0);

@@ -7,7 +7,7 @@ import { Numbers, partsOf, readListed, type Parts } from './codec';
 import { gridOf, type Grid } from './grid';
 import type { Picture, ReadPicture } from './pictures';
 
-/** State of a frame that its later chunks need of those before them. */
+/** State of a frame's earlier chunks that its later chunks need. */
 interface Begun {
   /** Chunks that came. */
   readonly chunks: number;
@@ -15,7 +15,7 @@ interface Begun {
   readonly listed: Uint16Array;
 }
 
-/** A message whose picture is being read while those before it are decoded. */
+/** A message with a picture that is read while earlier messages are decoded. */
 export interface Coming {
   readonly message: Depth;
   readonly parts: readonly Parts[];
@@ -33,7 +33,7 @@ export class DepthDecoder {
     private readonly readPicture: ReadPicture,
   ) {}
 
-  /** The recording whose frames come from here on. */
+  /** Set the recording of the frames that follow. */
   open(info: SequenceInfo): void {
     if (info.identity === this.identity) return;
     this.identity = info.identity;
@@ -58,8 +58,8 @@ export class DepthDecoder {
   }
 
   /**
-   * The points of a message.  None where they do not join on to what came of the frame: it has been
-   * forgotten meanwhile.
+   * The points of a message.  None if they do not continue the frame's earlier points, because the
+   * frame was forgotten.
    */
   async decode(coming: Coming): Promise<Segment> {
     const { message } = coming;
@@ -88,7 +88,7 @@ export class DepthDecoder {
     return segmentOf(message, chunks, pixels, { lattice, depths, colours: await painted }, took);
   }
 
-  /** The picture that a message brings, whose chunks begin at `first`. */
+  /** The picture of a message with chunks from `first` on. */
   private async paint(
     camera: Camera,
     { parts, picture: coming }: Coming,

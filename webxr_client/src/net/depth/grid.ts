@@ -34,7 +34,7 @@ export function sidesOf({ axis }: Lattice): [number, number] {
 
 /**
  * Return the words of a chunk's points (see `Piece`), without colours.  `pixels` are row-major,
- * `depths` those of the whole image.
+ * `depths` are of the whole image.
  */
 export function unproject(
   lattice: Lattice,

@@ -42,7 +42,7 @@ const SUBSAMPLING: Record<string, readonly [number, number]> = {
   I444: [1, 1],
 };
 
-/** Null where the planes are not those of a JPEG: the picture is drawn then, and read back. */
+/** Null for planes unlike a JPEG's: then the picture is drawn and read back. */
 function subsampling({ format, colorSpace }: VideoFrame): readonly [number, number] | null {
   const { fullRange, matrix } = colorSpace;
   return (fullRange && matrix === 'smpte170m' && SUBSAMPLING[format ?? '']) || null;
