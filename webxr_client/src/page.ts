@@ -23,7 +23,7 @@ import { Flight } from './work/flight';
 import { mountWork, WorkButton } from './work/panel';
 import { HandInQuestion } from './work/question';
 
-/** Nobody waits longer for a picture before the rest is loaded. */
+/** Longest wait for the first picture before the rest of the page is loaded. */
 const LONGEST_MS = 1500;
 
 export function startPage(early: Early): void {
@@ -45,7 +45,7 @@ export function startPage(early: Early): void {
   engine.start();
   const boxes = new ObjectBoxes(engine);
   installDesk(engine, boxes);
-  // The points come first.  Nobody takes up a tool or a headset before there is a picture.
+  // The points come first: tools and headset are only useful after the first picture.
   void pictured(early).then(async () => {
     mountPanels({
       buttons: [ExampleButton, WorkButton],

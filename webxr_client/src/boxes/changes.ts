@@ -153,7 +153,7 @@ export function leaveBox(): boolean {
 /** Labels that were skipped are told up to so many. */
 const MOST_TOLD = 3;
 
-/** Labels that are fitted: one label, those of its category, all; `frames` like "3:10". */
+/** Labels to fit: one label, the labels of its category, or all; `frames` like "3:10". */
 export interface Fit {
   readonly labels: readonly number[] | null;
   readonly category: string | null;
@@ -209,7 +209,7 @@ function ended(which: (job: Job) => boolean, done: (job: Job) => void): void {
   });
 }
 
-/** Fit a box to what the active label has in the frame on screen. */
+/** Fit a box to the points of the active label in the frame on screen. */
 export function boxFromPoints(): Promise<void> {
   const { frame } = state.shown.peek();
   const labels = [state.activeLabel.peek()];

@@ -21,7 +21,7 @@ import { placeOn, type Shape, type Side } from './shape';
 
 /** Pixels across a line, of the chosen box and of others. */
 const [BOLD, THIN] = [3, 1.6];
-/** Metres of a dash and of the gap after it: what was fitted and nobody has drawn. */
+/** Metres of a dash and of the gap after it, for boxes that were not drawn by a person. */
 const [DASH, GAP] = [0.22, 0.14];
 /** Opacity of a front, of the chosen box and of others. */
 const [FRONT_CHOSEN, FRONT] = [0.3, 0.14];
@@ -35,9 +35,9 @@ export interface Drawn {
   readonly color: string;
   readonly name: string;
   readonly chosen: boolean;
-  /** Nobody has drawn it: fitted, or imported. */
+  /** It was fitted or imported, not drawn. */
   readonly dashed: boolean;
-  /** 0..1: what is less sure is fainter. */
+  /** 0..1: boxes of less confidence are fainter. */
   readonly confidence: number;
   /** Its front is known, and marked. */
   readonly headed: boolean;

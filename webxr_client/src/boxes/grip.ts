@@ -17,7 +17,7 @@ export const HANDLES: readonly (readonly [Side, Side, Side])[] = [
 ]; // prettier-ignore
 
 /**
- * Find what a hand at a place (the box's coordinates) would hold: the nearest corner or middle of
+ * Find the grip of a hand at a place (the box's coordinates): the nearest corner or middle of
  * a face within `reach` metres, else the box it is in; null beside it.
  */
 export function gripOf({ size }: Shape, at: Triple, reach: number): Grip | null {

@@ -1,4 +1,4 @@
-/** Points around the chosen box, at full density: what its three views show. */
+/** Points around the chosen box, at full density, for its three views. */
 import { signal } from '@preact/signals';
 import type { CloudFrame } from '../cloud/points/frame';
 import { inBox } from '../cloud/points/pick';
@@ -24,9 +24,9 @@ export const [NEAREST, FARTHEST] = [0.35, 5];
 
 /** Metres around a box, and the same as a part of its longest edge: the greater counts. */
 const [MARGIN, MARGIN_PART] = [0.6, 0.22];
-/** A window is so many times as wide as what must be seen in it, at most. */
+/** Greatest ratio of a view's width to the part that must be visible. */
 const WIDE = 2.4;
-/** Metres of the ground under it and of what hangs over it. */
+/** Metres under and over the box that its views also show. */
 const OVER = 0.5;
 
 /** Half of the room a view shows along each axis at least, metres. */

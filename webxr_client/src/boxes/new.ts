@@ -13,7 +13,7 @@ import { lengthwise, shapeOf } from './volume';
 /** The next press on the recording draws a box. */
 export const drawing = signal(false);
 
-/** Length, width, height of classes that the taxonomy says nothing about, by what is in their names. */
+/** Length, width, height of classes without a size in the taxonomy, by parts of their names. */
 const SIZES: readonly (readonly [RegExp, Triple])[] = [
   [/bus/, [11, 2.9, 3.3]],
   [/truck|lorry/, [8, 2.6, 3.2]],

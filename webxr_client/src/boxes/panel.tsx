@@ -117,7 +117,7 @@ function DrawButton() {
 
 const fitOpen = signal(false);
 
-/** Fits this label's box; beside it, those of its class and all. */
+/** Buttons that fit the box of this label, of all labels of its class, and of all labels. */
 function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
   const label = activeLabel.value;
   const start = (fit: Partial<Fit>) => (): void => {

@@ -1,4 +1,4 @@
-/** Points around a box in one of its views: a picture, coloured by what belongs to the box. */
+/** Points around a box in one of its views: a picture, coloured by membership in the box. */
 import type { Rgb } from '../common/colors';
 import type { Near } from './near';
 import { fromBox, intoBox, type BoxView, type Shape } from './shape';
@@ -11,7 +11,7 @@ export interface Scale {
   readonly perMetre: number;
 }
 
-/** As many pixels a metre as show `reach` (half of what must be seen along each axis, metres). */
+/** Return the scale that shows `reach` (half of the visible extent along each axis, metres). */
 export function scaleOf(
   view: BoxView,
   reach: readonly number[],
@@ -25,7 +25,7 @@ export function scaleOf(
 export interface Inks {
   /** Points in the box. */
   readonly label: Rgb;
-  /** Points that nobody needs, and those in the box that have another label. */
+  /** Points outside the box, and points in the box with another label. */
   readonly other: Rgb;
   readonly foreign: Rgb;
 }

@@ -1,4 +1,4 @@
-/** Geometry of a box in one frame: what its handles, keys and copies do to it. */
+/** Geometry of a box in one frame, and its changes by handles, keys and copies. */
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import type { BoxPatch, BoxPose, ObjectBox, Quad, Triple } from '../store/boxes';
 
@@ -49,7 +49,7 @@ export function moved(shape: Shape, by: Triple): Shape {
   return { ...shape, centre: plus(shape.centre, fromBox(shape, by)) };
 }
 
-/** The sides named move outward by `by` along their axes; those across from them stay. */
+/** The given sides move outward by `by` along their axes; the opposite sides stay. */
 export function stretched(shape: Shape, sides: readonly [Side, Side, Side], by: Triple): Shape {
   const size: [number, number, number] = [...shape.size];
   const shift: [number, number, number] = [0, 0, 0];
@@ -73,7 +73,7 @@ function quad(turn: Quaternion): Quad {
   return [x, y, z, w];
 }
 
-/** The pose in another frame of what hangs together with this one; `T_other_frame` in source coordinates. */
+/** Return a pose moved rigidly to another frame; `T_other_frame` in source coordinates. */
 export function carried<T extends Pick<Shape, 'centre' | 'quaternion'>>(
   pose: T,
   T_other_frame: Matrix4,
@@ -135,7 +135,7 @@ export function patchOf(box: ObjectBox, frame: number, before: Shape, after: Sha
 
 // ── views ──────────────────────────────────────────────────────────────────────────────────────
 
-/** A view along one of the box's axes: those to the right and up on screen, the third comes nearer. */
+/** A view along one of the box's axes: the axes to the right and up on screen, and the third one. */
 export interface BoxView {
   readonly name: 'Top' | 'Side' | 'Front';
   readonly right: Axis;

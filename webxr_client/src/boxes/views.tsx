@@ -27,7 +27,7 @@ const KNOB = 20;
 const DARKER = 0.68;
 /** Fewer points than these are drawn larger. */
 const FEW = 6000;
-/** Points that belong to nothing, and those in the box with another label, by theme. */
+/** Colours of points outside, and of points in the box with another label, by theme. */
 const GREYS: Readonly<Record<'dark' | 'light', readonly [Rgb, Rgb]>> = {
   dark: [
     [150, 160, 172],
@@ -211,7 +211,7 @@ function onPicture(right: number, up: number, { width, height, perMetre }: Scale
   return [width / 2 + right * perMetre, height / 2 - up * perMetre];
 }
 
-/** From the middle of the box to its front; a point where the front is what one looks at. */
+/** Arrow from the middle of the box to its front; a point if the view faces the front. */
 function arrow(view: BoxView, [x, y]: Pixel, [u, v]: Pixel): string {
   if (view.right !== 0) return '';
   const [dx, dy] = [(u - x) * 0.22, (v - y) * 0.22];

@@ -1,4 +1,4 @@
-/** The chosen box in the room: what the gizmo of the main view changes. */
+/** The chosen box in the room, for the gizmo of the main view. */
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import { chosenBox } from '../store/boxes';
 import { activeLabel, canEdit, state } from '../store/state';
@@ -7,7 +7,7 @@ import { commitDraft, dragTo, shownIn } from './changes';
 import type { Shape } from './shape';
 
 /**
- * From a volume's axes (x, y up, z) to those of a box (x forward, y left, z up): a quarter turn
+ * From a volume's axes (x, y up, z) to a box's axes (x forward, y left, z up): a quarter turn
  * about x.
  */
 const AXES = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2);

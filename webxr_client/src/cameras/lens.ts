@@ -75,7 +75,7 @@ export class Lens {
     return u >= 0 && v >= 0 && u < picture.width && v < picture.height;
   }
 
-  /** SVG path of lines, whose ends come two and two (local metres), as they are bent in the picture. */
+  /** SVG path of lines, given by pairs of ends (local metres), bent as in the picture. */
   lines(ends: readonly number[]): string {
     let path = '';
     for (let line = 0; line < ends.length; line += 6) {

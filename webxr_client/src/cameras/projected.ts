@@ -26,7 +26,7 @@ export class Projected {
     this.depths = new Float32Array(width * height);
   }
 
-  /** Draw a frame's points; those with a label two pixels wide. */
+  /** Draw a frame's points; labelled points are two pixels wide. */
   draw(frame: CloudFrame, lens: Lens, colourOf: ColourOf): void {
     this.pixels.data.fill(0);
     this.points.fill(-1);

@@ -19,13 +19,13 @@ export interface Pictures {
 }
 
 export const stripOpen = signal(true);
-/** The camera whose picture lies large over the cloud, by its name; null: none. */
+/** Name of the camera with the large picture over the cloud; null: none. */
 export const largeCamera = signal<string | null>(null);
 /** Of the large picture, 0 to 1: less lets the cloud through. */
 export const largeOpacity = signal(1);
-/** null while nobody has told; of the frame on screen, or of one just before it. */
+/** Pictures of the frame on screen, or of one just before it; null until they are loaded. */
 export const pictures = signal<Pictures | null>(null);
-/** The frame whose points are projected, and its version: another object at each change. */
+/** The frame with the projected points, and its version: another object at each change. */
 export const projectedFrame = signal<{ readonly frame: CloudFrame; readonly version: number } | null>(null); // prettier-ignore
 /** The place under the pointer, in the cloud or in a picture. */
 export const pointed = signal<Pointed | null>(null);

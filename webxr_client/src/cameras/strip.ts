@@ -1,4 +1,4 @@
-/** Brings a frame's pictures to the strip, and what is pointed at there to the cloud. */
+/** Shows a frame's pictures in the strip, and places pointed at there in the cloud. */
 import type { Vec } from '../store/types';
 import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'three';
 import { actions } from '../store/actions';
@@ -9,7 +9,7 @@ import { watch } from '../store/watch';
 import type { CameraPicture, Lens } from './lens';
 import { pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
 
-/** Milliseconds between two looks at what is on screen: pictures need not follow every stroke's dab. */
+/** Milliseconds between two updates, so that pictures do not follow every dab of a stroke. */
 const LOOK_MS = 150;
 /** From the camera's side, this part of its way to the place remains, within these metres. */
 const [PART, NEAR, FAR] = [0.4, 1.5, 12];

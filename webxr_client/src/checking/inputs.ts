@@ -1,4 +1,4 @@
-/** Input sources of a session that is checked: what they are, and what of them was pressed. */
+/** Input sources of a checked session: their kinds, and the buttons that were pressed. */
 import type { HeadsetInput } from '../protocol/messages';
 import { pulsesBy } from '../xr/input/haptics';
 import { buttonValue } from '../xr/input/kind';
@@ -26,7 +26,7 @@ class Seen {
     this.joints = Math.max(this.joints ?? 0, joints);
   }
 
-  /** Count of what was found; it grows with each finding. */
+  /** Number of findings. */
   get findings(): number {
     return this.pressed.size + this.leaned.size + (this.joints ?? 0);
   }
@@ -70,7 +70,7 @@ export class Inputs {
     this.changes = changes;
   }
 
-  /** List what was seen, in an order that does not depend on who came first. */
+  /** List the seen inputs, in an order that does not depend on the order of their first use. */
   get told(): HeadsetInput[] {
     const keys = [...this.seen.keys()].sort();
     return keys.map((key) => this.seen.get(key)!.told);

@@ -1,4 +1,4 @@
-/** The page beside a headset that is checked: what to do, what came of it, and the report. */
+/** The page beside a checked headset: tasks, their results, and the report. */
 import { useState } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { Button } from '../panels/parts/controls';

@@ -1,4 +1,4 @@
-/** The panel of a headset that is checked: what to do next, how, and what is done. */
+/** The panel of a checked headset: the next task, its controls, and the finished tasks. */
 import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
@@ -100,7 +100,7 @@ export class CheckPanel extends Panel {
     for (const { pointer } of this.cockpit.pointers.bodies) pointer.pulse(1, 200);
   }
 
-  /** Say how what is held does it, else where a panel does. */
+  /** Return the hint for the held input devices, or else for a panel. */
   private hint({ lesson, otherwise }: Task): string {
     const own = lesson && lesson !== 'paint' ? this.cockpit.pointers.hint(lesson) : null;
     return own ?? otherwise;

@@ -14,7 +14,7 @@ export const ready = computed(
   () => state.shown.value.total > 0 && (!canEdit.value || state.palette.value.length >= LABELS),
 );
 
-/** Open the server's scratch recording; viewers, who change nothing, look at the first recording. */
+/** Open the server's scratch recording; viewers, without edits, open the first recording. */
 export function openRecording(): void {
   const stop = follow(() => {
     const sound = state.sequences.value?.filter(({ damaged }) => damaged === null);

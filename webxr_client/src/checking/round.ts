@@ -1,4 +1,4 @@
-/** One session of a headset that is checked: notes what happens in it, and ticks what was done. */
+/** One session of a checked headset: records its events, and ticks finished tasks. */
 import { actions, bindActions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import type { HeadsetPictures, HeadsetSession } from '../protocol/messages';
@@ -25,7 +25,7 @@ export class Findings {
 
 type Asked = 'step' | 'undo' | 'label';
 
-/** Actions that were asked for, and what each would change, as it was then. */
+/** Requested actions, with the values that they change from before the request. */
 const asked = new Map<Asked, unknown>();
 const CHANGES: Record<Asked, () => unknown> = {
   step: () => peek(state.shown).frame,
@@ -37,7 +37,7 @@ function ask(what: Asked): void {
   asked.set(what, CHANGES[what]());
 }
 
-/** Note from now on what is asked for. */
+/** Record requested actions from now on. */
 export function noteActions(): void {
   const step = actions.step.bind(actions);
   const undo = actions.undo.bind(actions);
@@ -97,7 +97,7 @@ export class Round {
     this.compare();
   }
 
-  /** Tick what was asked for and has come about. */
+  /** Tick requested actions that have taken effect. */
   private compare(): void {
     const came = (what: Asked): boolean => asked.has(what) && asked.get(what) !== CHANGES[what]();
     if (came('step')) tick('step');

@@ -5,7 +5,7 @@ import { wanted } from '../xr/headset';
 
 const SPACES = ['viewer', 'local', 'local-floor', 'bounded-floor', 'unbounded'] as const;
 
-/** Ask a session for what it has. */
+/** Return the features of a session. */
 export async function describe(
   session: XRSession,
   { renderer }: Viewer,

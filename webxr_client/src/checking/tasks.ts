@@ -1,4 +1,4 @@
-/** Things to do in a headset that is checked: their words, and what came of each. */
+/** Tasks in a checked headset: their texts and results. */
 import { computed, signal } from '@preact/signals';
 import type { HeadsetTask } from '../protocol/messages';
 import type { Lesson } from '../xr/input/lessons';

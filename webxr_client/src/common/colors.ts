@@ -66,7 +66,7 @@ export function inkOn(color: string): '#07131f' | '#ffffff' {
   return contrast(color, '#07131f') >= contrast(color, '#ffffff') ? '#07131f' : '#ffffff';
 }
 
-/** Oklab, where distance is close to what the eye sees (Björn Ottosson, 2020). */
+/** Oklab, where distance is close to the perceived difference (Björn Ottosson, 2020). */
 function oklab([r, g, b]: Rgb): Rgb {
   const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
   const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);

@@ -1,5 +1,5 @@
 /**
- * Keys go to what was reached with the keyboard.  What was clicked does not keep them: a click on
+ * Keys go to a control that was reached with the keyboard, but not to a clicked one: a click on
  * a button is followed by keys for the picture.
  */
 let last: 'keys' | 'pointer' = 'pointer';

@@ -1,6 +1,6 @@
 import type { BufferGeometry, Material, Object3D } from 'three';
 
-/** Take an object out of its scene, and what it holds of the GPU with it. */
+/** Remove an object from its scene, and free its GPU memory. */
 export function free(
   object: Object3D & { readonly geometry: BufferGeometry; readonly material: Material },
 ): void {

@@ -24,7 +24,7 @@ export class BoxPress {
     private readonly tool: BoxTool,
   ) {}
 
-  /** Begin to draw a box; false: what was under the cursor is chosen, and the view turns. */
+  /** Begin to draw a box; false: the box under the cursor is chosen, and the view turns. */
   begin(): boolean {
     if (drawing.peek()) return this.tool.begin();
     this.choose();

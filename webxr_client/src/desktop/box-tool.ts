@@ -1,4 +1,4 @@
-/** The box tool: drag a rectangle over the floor, adjust the box on it, and take what is inside. */
+/** The box tool: drag a rectangle over the floor, adjust the box on it, take the points inside. */
 import { type Matrix4, Vector3 } from 'three';
 import { clip } from '../tools/clip';
 import type { CloudFrame } from '../cloud/points/frame';
@@ -98,7 +98,7 @@ export class BoxTool {
     return true;
   }
 
-  /** Take what is in the box; false without one. */
+  /** Take the points in the box; false without one. */
   apply(): boolean {
     const draft = boxDraft.peek();
     const frame = this.deps.aim.frame();
@@ -120,7 +120,7 @@ export class BoxTool {
     return true;
   }
 
-  /** Before each picture: show what it would take. */
+  /** Before each picture: show the points that the box would take. */
   update(): void {
     if (!this.dirty) return;
     this.dirty = false;
@@ -151,7 +151,7 @@ const [CLEARANCE, MOST_CLEARANCE] = [0.06, 0.06];
 const TALL = 2;
 /** Of points on one surface a box is at least so high, as a part of its wider edge. */
 const LEAST_HEIGHT = 0.1;
-/** Air of this part of the wider edge ends an object: what is above is a ceiling, or a branch. */
+/** A gap of this part of the wider edge ends an object: above it is a ceiling, or a branch. */
 const GAP = 0.25;
 
 /** Heights in the room of a frame's points in a box, ascending; `room`: `T_room_local`. */
@@ -190,7 +190,7 @@ function onGround(frame: CloudFrame, room: Matrix4, volume: Volume): Volume {
   return standing(volume, ground + Math.min(MOST_CLEARANCE, CLEARANCE * (top - ground)));
 }
 
-/** The height that what stands on `bottom` reaches, before the air above it. */
+/** Return the top of the object on `bottom`, below the first gap. */
 function topOf(heights: Float64Array, bottom: number, wide: number): number {
   const last = Math.round((1 - STRAYS_ABOVE) * (heights.length - 1));
   for (let i = 0; i < last; i++) {
@@ -200,7 +200,7 @@ function topOf(heights: Float64Array, bottom: number, wide: number): number {
   return heights[last]!;
 }
 
-/** A box over the same footprint, from the ground under it to the top of what stands there. */
+/** Return a box over the same footprint, from the ground under it to the top of the object. */
 function fitted(frame: CloudFrame, room: Matrix4, volume: Volume): Volume {
   const wide = Math.max(volume.size[0], volume.size[2]);
   const column: Volume = { ...volume, size: [volume.size[0], 2 * TALL * wide, volume.size[2]] };

@@ -30,7 +30,7 @@ function Opened() {
   }, [at]);
   const run = (command: Command | undefined): void => {
     if (!command) return;
-    // The focus goes back first: what the command opens may take it.
+    // The focus is returned first, because the command may open a dialog that takes it.
     dialog.current?.close();
     noteUsed(command);
     command.run();

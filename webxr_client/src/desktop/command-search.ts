@@ -109,7 +109,7 @@ export function commandsNow(): readonly Command[] {
   return [...table, ...labels, ...recordings, ...merges];
 }
 
-/** Words of a question that say nothing. */
+/** Stop words of a search. */
 const SMALL = new Set(['a', 'the', 'of', 'to', 'my', 'with', 'how']);
 
 /**
@@ -147,7 +147,7 @@ function singular(word: string): string {
 
 const KEY = 'pointbrush.last-command';
 
-/** Keep in this browser what was used last, so that the palette opens on it. */
+/** Store the last command in this browser, so that the palette opens on it. */
 export function noteUsed({ what }: Pick<Command, 'what'>): void {
   keep(KEY, what);
 }

@@ -46,6 +46,6 @@ export function cursorOf(tool: Tool, way: Way, handle: Handle | null, turns: boo
   if (tool === 'navigate') return 'grab';
   const sign = SIGNS[tool];
   if (!isStroke(tool) && sign) return withSign(sign);
-  // A brush is told by its ring, other shapes by their sign; what is not painted by the tool's.
+  // The brush has a ring, so that other tools show their sign; other shapes show their own sign.
   return withSign(way.name === 'ray' && sign ? sign : way.icon);
 }

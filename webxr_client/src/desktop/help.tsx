@@ -29,7 +29,7 @@ interface HelpRow {
   readonly shown: string;
   readonly what: string;
   readonly group: string;
-  /** The command whose key can be changed. */
+  /** The command, if its key can be changed. */
   readonly binding?: KeyBinding;
 }
 
@@ -96,7 +96,7 @@ function Opened() {
               tip="A tour of five cards"
               kind="outlined"
               onClick={() => {
-                // Closed first: what had the focus has it again, and after the tour once more.
+                // Closed first, so that the tour returns the focus to the element that had it before.
                 dialog.current?.close();
                 beginTour();
               }}

@@ -17,7 +17,7 @@ export function keyName(event: KeyboardEvent): string {
   return name;
 }
 
-/** The digit on the key that is pressed with Shift, whatever character that gives; null: none. */
+/** Return the digit on the key that is pressed with Shift, for any character; null: none. */
 function shiftedDigit({
   code,
   key,

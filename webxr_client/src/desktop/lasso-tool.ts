@@ -23,7 +23,7 @@ export class LassoTool {
     this.outline = new LassoOutline(canvas);
   }
 
-  /** Before each picture: show what the outline takes as it is drawn. */
+  /** Before each picture: show the points inside the outline while it is drawn. */
   update(): void {
     if (!this.outline.changed) return;
     this.outline.changed = false;
@@ -36,7 +36,7 @@ export class LassoTool {
     else ahead.show(frame, { ...brush, polygon, matrix: aim.clipFromSource(info) });
   }
 
-  /** Take what the outline encloses. */
+  /** Take the points that the outline encloses. */
   end(): void {
     const { aim, ahead, strokes } = this.deps;
     const polygon = this.outline.end();

@@ -193,7 +193,7 @@ export class DeskPointer {
     this.zoom(Math.log(grown) * NOTCHES_PER_E);
   }
 
-  /** Bring the camera closer to what is aimed at. */
+  /** Bring the camera closer to the place under the cursor. */
   private zoom(notches: number): void {
     const { camera, viewer } = this.deps;
     const hit = this.aim.hit(0.1);
@@ -383,7 +383,7 @@ export class DeskPointer {
     if (this.drag === null) this.askAhead();
   }
 
-  /** Ask the server what a click here would take. */
+  /** Ask the server for the points that a click here would take. */
   private askAhead(): void {
     const { objects, regions } = this.deps;
     const way = deskWay();

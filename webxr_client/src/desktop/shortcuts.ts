@@ -5,7 +5,7 @@ import { follow } from '../store/watch';
 import { COMMANDS } from './commands';
 import { type KeyBinding, WALK_KEYS } from './keys';
 
-/** Keys that walk, and those that every dialog and form needs. */
+/** Keys for walking, and keys that every dialog and form needs. */
 const FIXED = new Set([...WALK_KEYS.shown.toLowerCase().split(' '), 'escape', 'tab', 'shift+tab']);
 const NAMES: Readonly<Record<string, string>> = {
   ' ': 'Space',
@@ -55,7 +55,7 @@ export function shownOf(binding: KeyBinding): string {
   return keys[0] === undefined ? '' : printed(keys[0]);
 }
 
-/** Key → what it does. */
+/** Key → command. */
 export const keyTable: ReadonlySignal<ReadonlyMap<string, KeyBinding>> = computed(
   () => new Map(COMMANDS.flatMap((each) => keysOf(each).map((key) => [key, each] as const))),
 );

@@ -26,7 +26,7 @@ export class Touches {
     return this.fingers.size > 1;
   }
 
-  /** A finger moved; what the first two did, or null unless it is one of them. */
+  /** Move a finger; return the movement of the first two, or null unless it is one of them. */
   move(event: PointerEvent): Pinch | null {
     const finger = this.fingers.get(event.pointerId);
     if (!finger) return null;

@@ -1,6 +1,6 @@
 /**
- * Ghost of the labelled objects a frame before: some of their points, grey, so that nobody takes
- * them for labelled ones.
+ * Ghost of the labelled objects in the previous frame: some of their points, in grey, to distinguish
+ * them from labelled points.
  */
 import { free } from '../common/free';
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
@@ -10,7 +10,7 @@ import { DELETED } from '../cloud/points/piece';
 import type { ColorMode, ViewSettings } from '../store/types';
 import { isShown } from './shown';
 
-/** Points that tell where objects were; all of them would read as what is labelled here. */
+/** Most points of a ghost; more would look like labelled points of this frame. */
 const MOST = 1500;
 /** Metres. */
 const DOT = 0.01;
@@ -20,7 +20,7 @@ const OPACITY = 0.6;
 /** Colourings that one judges labels by: nothing may lie over them. */
 const JUDGING: readonly ColorMode[] = ['label', 'confidence', 'provenance'];
 
-/** Whether a ghost may be drawn: time stands, and nobody judges labels. */
+/** Return whether a ghost may be drawn: while time stands, except when labels are judged. */
 export function haunts(
   { ghost, color }: Pick<ViewSettings, 'ghost' | 'color'>,
   playing: boolean,

@@ -16,7 +16,7 @@ export class Overlays {
   readonly trails: Trails;
   readonly ghost: Ghost;
   private readonly summaries = new Summaries();
-  /** Something else than frames changed: the palette, what is to be shown. */
+  /** The palette or the view settings changed. */
   private dirty = true;
   private head = -1;
   /** Direction of the last step in time: 1 is forward. */

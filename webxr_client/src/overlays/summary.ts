@@ -7,7 +7,7 @@ import { DELETED, type Piece } from '../cloud/points/piece';
 const FIELDS = 9;
 /** Labels that can be told apart; more than anybody follows at a time. */
 const MOST = 512;
-/** A frame whose labels keep changing (somebody paints) is looked at so often. */
+/** Shortest time between two summaries of a frame with changing labels (during a stroke). */
 const EVERY_MS = 80;
 
 /** All lengths in metres of the room, y up. */

@@ -101,7 +101,7 @@ export class Trails {
     this.count = 0;
   }
 
-  /** `summaryOf` gives what is known of a frame; places outside `clip` (`T_cube_room`) are left out. */
+  /** `summaryOf` returns a frame's summary or null; `clip`: `T_cube_room` of shown places. */
   show(
     head: number,
     frames: number,

@@ -230,9 +230,9 @@ export interface Notice {
   readonly kind: 'info' | 'success' | 'error';
   readonly title: string;
   readonly detail: string;
-  /** Times it was said while it stood: the last one takes the place of those before. */
+  /** Number of equal messages while it was shown; the last one replaces the earlier ones. */
   readonly times: number;
-  /** Remedy, or what comes next: a button; `stays`: until it is used. */
+  /** Button for a remedy or the next step; `stays`: until it is used. */
   readonly action?: {
     readonly label: string;
     readonly run: () => void;
@@ -325,7 +325,7 @@ export interface ImportOptions {
   readonly up?: string;
   readonly topic?: string;
   readonly poses?: string;
-  /** Files beside the frames are theirs in their order, whatever their names are. */
+  /** Match files beside the frames by order, ignoring their names. */
   readonly by_order?: boolean;
   readonly drop_invalid?: boolean;
   /** Id of the project that the recording joins. */
@@ -350,7 +350,7 @@ export interface ImportPart extends ImportSource {
 }
 
 export interface ImportDraft extends ImportSource {
-  /** The recording whose labels they are; null for a recording of their own. */
+  /** The recording that gets the labels; null: the files are a new recording. */
   readonly sequence: string | null;
   /** The recordings that they are, where they are several. */
   readonly parts: readonly ImportPart[] | null;

@@ -7,7 +7,7 @@ export type Side = 'left' | 'right';
 export interface XrSettings {
   /** The hand that paints; the other one holds the palette. */
   readonly hand: Side;
-  /** Tip of the brush: a sphere at the tip, or a ray for what is far. */
+  /** Tip of the brush: a sphere at the tip, or a ray for distant points. */
   readonly tip: 'sphere' | 'ray';
   readonly move: 'teleport' | 'smooth';
   /** Degrees a turn; 0 turns evenly. */

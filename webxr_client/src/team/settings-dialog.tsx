@@ -1,4 +1,4 @@
-/** The settings of a project: its name, and a tab for each of what its lead decides. */
+/** The settings of a project: its name, and a tab for each kind of settings. */
 import { useEffect, useState } from 'preact/hooks';
 import { type Project, settled } from '../engine/projects';
 import { Button, Check } from '../panels/parts/controls';

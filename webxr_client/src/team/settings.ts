@@ -1,4 +1,4 @@
-/** Settings of a project for who leads it: what is known of them, and the requests that change them. */
+/** Settings of a project for its managers: their state, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
 import { loadCategories } from '../engine/categories';
 import { type Project, projectPath, projects, refreshProjects, settled } from '../engine/projects';
@@ -53,7 +53,7 @@ export const projectTasks = signal<readonly Task[]>([]);
 export const webhooks = signal<readonly Webhook[]>([]);
 /** Latest events of each webhook, the newest first. */
 export const deliveries = signal<ReadonlyMap<string, readonly Delivery[]>>(new Map());
-/** The secret of the webhook that was added last, which is told once. */
+/** The secret of the newest webhook, which the server sends once. */
 export const secret = signal<{ readonly webhook: string; readonly words: string } | null>(null);
 
 function place(rest = ''): string {
@@ -64,7 +64,7 @@ function place(rest = ''): string {
 let last: Promise<void> = Promise.resolve();
 let saves = 0;
 
-/** Change the project: what was chosen is shown at once. */
+/** Change the project; show the change at once. */
 export function save(patch: ProjectPatch): Promise<void> {
   const path = place();
   const { recordings, ...shown } = patch;

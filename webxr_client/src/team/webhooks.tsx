@@ -1,4 +1,4 @@
-/** Settings of a project: addresses that are told what happens in it. */
+/** Settings of a project: addresses that receive its events. */
 import { useEffect, useState } from 'preact/hooks';
 import { day, plural } from '../common/format';
 import { Button, Check } from '../panels/parts/controls';

@@ -8,7 +8,7 @@ import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from
 import { hiddenHere } from './seen';
 import type { Way } from './ways';
 
-/** Return the reason that one cannot paint now, and what to do about it; null when one can. */
+/** Return the reason why painting is not possible now, and a remedy; null if it is possible. */
 export function refusal(): readonly [title: string, detail: string] | null {
   const tool = peek(state.tool);
   if (peek(state.connection).state === 'refused') {
@@ -49,7 +49,7 @@ export function brushFor(way: Way, radius: number): Brush | null {
   const no = isStroke(peek(state.tool)) ? refusal() : null;
   if (no !== null) notify('info', ...no);
   const brush = brushNow(way, radius);
-  // Painting on a moving picture would paint what one no longer sees.
+  // A stroke during playback would paint points that are no longer on screen.
   if (brush && peek(state.playing)) actions.pause();
   return brush;
 }

@@ -14,7 +14,7 @@ export interface Clip {
   readonly follows: boolean;
 }
 
-/** Null: all is shown. */
+/** Null: all points are shown. */
 export const clip = signal<Clip | null>(null);
 
 /** A notch of the wheel moves a slab by this part of its thickness. */
@@ -35,7 +35,7 @@ export const clipBox: ReadonlySignal<Required<ClipBox> | null> = computed(() => 
   return toSource({ ...volume, size: size as [number, number, number] }, room.value, info.shift);
 });
 
-/** `T_cube_local`: what is shown lies in the cube of edges 2; null: all is shown. */
+/** `T_cube_local`: shown points lie in the cube of edges 2; null: all points are shown. */
 export const clipMatrix: ReadonlySignal<Matrix4 | null> = computed(() => {
   const box = clipBox.value;
   const info = state.sequence.value;

@@ -1,7 +1,7 @@
-/** Likeness of sets of points, of which one was shown, and of places pointed at. */
+/** Similarity of sets of points, and of the places of two rays. */
 import type { Sample } from '../protocol/messages';
 
-/** Less in common, as a part of what either has, is another object. */
+/** Least share of common points in the union of two sets of one object. */
 const LEAST = 0.5;
 
 /** Points in both of two ascending lists. */

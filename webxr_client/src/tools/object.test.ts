@@ -170,7 +170,7 @@ describe('the object tool', () => {
     tool.step(1);
     expect(asks()).toHaveLength(1);
     rest();
-    // The levels of the click, not those around what was taken.
+    // The levels of the click, not the levels around the taken points.
     expect(asks()[1]).toMatchObject({ previous: '' });
     tool.onCandidates(answer(asks()[1]!, [5, 20]));
     expect(begun()[1]!.brush).toMatchObject({ candidate: `${asks()[1]!.id}-1`, previous: '', replaces: begun()[0]!.id }); // prettier-ignore

@@ -1,5 +1,5 @@
 /**
- * The object tool: asks the server what a click means, walks through the levels of the answer, and
+ * The object tool: asks the server for candidates of a click, steps through their levels, and
  * takes one.  Mouse, controller and hand use it alike.
  */
 import type { PointerSample, Vec } from '../store/types';
@@ -14,7 +14,7 @@ import { preparation } from './preparation';
 import { mostLike, samePlace } from './likeness';
 import type { Strokes } from './strokes';
 
-/** Overlay of what a click would take. */
+/** Overlay of the points that a click would take. */
 const OVERLAY = 'object';
 /** A level that was chosen after the click is taken once the wheel has rested, milliseconds. */
 const REST_MS = 300;
@@ -70,7 +70,7 @@ interface Taken extends Clicks {
   readonly candidate: string;
   /** Candidate that its last click refined, or '': its levels are offered again by it. */
   readonly previous: string;
-  /** Tool that took it: it refines as well, whatever tool the hand has by then. */
+  /** Tool that took it, which also refines it, independent of the current tool. */
   readonly brush: Brush;
 }
 
@@ -81,14 +81,14 @@ export class ObjectTool {
   /** The newest place pointed at while an answer was awaited. */
   private waiting: Sample | null = null;
   private rest: (() => void) | null = null;
-  /** Strokes of ours that the server may call stale: what to ask again. */
+  /** Questions of strokes that the server may refuse as stale, to ask again. */
   private readonly sent = new Map<string, Question>();
   /** The stroke that `complete` is about. */
   private replaces: string | null = null;
 
   constructor(private readonly deps: ObjectDeps) {}
 
-  /** The pointer is here: show what a click would take. */
+  /** Show the points that a click at the pointer would take. */
   hover(pointed: PointerSample): void {
     if (this.offer?.question.purpose === 'complete') return;
     const sample = this.sampleOf(pointed);
@@ -126,8 +126,8 @@ export class ObjectTool {
   }
 
   /**
-   * Take what is shown; once something is taken, add what is pointed at, or `remove` it.  The eraser
-   * removes from what was painted, too.
+   * Take the shown points; after that, add the place under the pointer, or `remove` it.  The eraser
+   * also removes from a painted object.
    */
   click(pointed: PointerSample, remove = false): void {
     const sample = this.sampleOf(pointed);
@@ -158,7 +158,7 @@ export class ObjectTool {
     this.ask({ positives: chosen.map((one) => this.sampleOf(one)), negatives: [] }, 'complete');
   }
 
-  /** Accept what `complete` offers; false when it offers nothing. */
+  /** Accept the object that `complete` offers; false when it offers none. */
   accept(): boolean {
     const { offer, taken } = this;
     if (taken || offer?.question.purpose !== 'complete' || !offer.candidates.length) return false;
@@ -177,7 +177,7 @@ export class ObjectTool {
     return preparation() !== null || (this.asked !== null && this.offer === null);
   }
 
-  /** No more clicks belong to what was taken. */
+  /** End the taken object: further clicks begin another one. */
   end(): boolean {
     const going = this.active;
     this.rest?.();
@@ -190,12 +190,12 @@ export class ObjectTool {
     return going;
   }
 
-  /** Another tool: between brush and eraser one refines what was taken, else it is let go. */
+  /** Change of tool: brush and eraser refine the taken object, other tools end it. */
   retool(tool: string): void {
     if (!this.taken || (tool !== 'paint' && tool !== 'erase')) this.end();
   }
 
-  /** The link came back: what was asked on the old one is not answered any more. */
+  /** The link is back: questions on the old one get no answer. */
   restart(): void {
     this.asked = null;
     this.waiting = null;
@@ -222,7 +222,7 @@ export class ObjectTool {
       this.ask({ positives: [next], negatives: [] }, 'hover', this.chosenPoints());
   }
 
-  /** A frame is prepared: what is shown of it may be better now. */
+  /** A frame is prepared: ask again, because its candidates may be better now. */
   onPrepared(frame: number): void {
     const { offer } = this;
     if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
@@ -235,7 +235,7 @@ export class ObjectTool {
     }
   }
 
-  /** Labels of a frame changed, and with them what a click there would take: ask again. */
+  /** Labels of a frame changed, and with them the candidates of a click there: ask again. */
   onLabels(frame: number): void {
     const { asked, offer } = this;
     const question = asked ?? offer?.question;
@@ -256,7 +256,7 @@ export class ObjectTool {
     if (!question) return false;
     this.taken = null;
     if (status !== 409) return false;
-    // Somebody painted meanwhile: the same clicks, on what is there now.
+    // The points have been painted since: repeat the question with the same clicks.
     this.ask(question, 'take', question.like);
     return true;
   }

@@ -16,7 +16,7 @@ import { Touched } from './touched';
 /** Whether a label may not be changed. */
 export type Locked = (label: number) => boolean;
 
-/** Shapes whose points the page finds by itself. */
+/** Shapes with points that the page finds itself. */
 const FOUND_HERE: ReadonlySet<string> = new Set(['sphere', 'ray', 'lasso', 'box']);
 /** Bytes of runs up to which the page says which points a stroke takes. */
 const MOST_RUN_BYTES = 2 ** 20;
@@ -58,7 +58,7 @@ class Part {
     return this.frame.complete && !this.frame.large;
   }
 
-  /** Points in the shape, also those that stay as they are. */
+  /** Points in the shape, including points that the stroke does not change. */
   met(): TouchedPoints {
     return { frame: this.frame.index, runs: runsOf(this.touched.met().sort()) };
   }
@@ -160,7 +160,7 @@ export class StrokePreview {
   }
 
   /**
-   * Points that the stroke takes, so that the server changes what was shown.  Null where it has to
+   * Points that the stroke takes, so that the server changes the shown points.  Null if it has to
    * select: it may find points that are not here.
    */
   taken(): TouchedPoints[] | null {
@@ -191,7 +191,7 @@ export class StrokePreview {
     for (let i = 0; i < this.parts.length; i++) this.parts[i]!.sphere(from, to, radius);
   }
 
-  /** Show what was found since the last call. */
+  /** Show the points found since the last call. */
   show(): void {
     for (let i = 0; i < this.parts.length; i++) this.parts[i]!.show();
   }

@@ -73,7 +73,7 @@ export class RegionPreview {
     if (waiting) this.hover(waiting);
   }
 
-  /** Labels of a frame changed, and with them what a press there would take. */
+  /** Labels of a frame changed, and with them the region of a press there: ask again. */
   onLabels(frame: number): void {
     const { asked } = this;
     if (asked?.frame.index === frame) this.waiting ??= asked.sample;

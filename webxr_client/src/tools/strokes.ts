@@ -50,7 +50,7 @@ export interface Begun {
   readonly brush: Brush;
 }
 
-/** Samples on their way into a message, used again once it was sent: what is posted is copied. */
+/** Samples for the next message, reused after it was sent, because posting copies them. */
 class Batch {
   count = 0;
   private readonly pool: Required<Sample>[] = [];
@@ -108,7 +108,7 @@ class LiveStroke implements Stroke {
     this.preview.add(sample);
   }
 
-  /** Show what was found; true when there is something to send. */
+  /** Show the points found so far; true when there are samples to send. */
   show(): boolean {
     if (this.refused) return false;
     this.preview.show();
@@ -116,7 +116,7 @@ class LiveStroke implements Stroke {
     return this.batch.count > 0;
   }
 
-  /** Send what has gathered. */
+  /** Send the collected samples. */
   send(): void {
     if (this.refused || this.batch.count === 0) return;
     this.message.samples = this.batch.take();
@@ -150,7 +150,7 @@ export class Strokes {
   private readonly live: LiveStroke[] = [];
   /** Ended, and waiting for the server. */
   private readonly ended = new Map<string, StrokePreview>();
-  /** Points that those would change whose own points were sent, until the server's count is here. */
+  /** Points that strokes with their own points would change, until the server's count arrives. */
   private readonly expected = new Map<string, number>();
   /** Told every answer: `touched` drives the haptic pulse. */
   readonly results = new Listeners<StrokeResult>();
@@ -183,7 +183,7 @@ export class Strokes {
     return waiting;
   }
 
-  /** Send what has gathered. */
+  /** Send the collected samples. */
   send(): void {
     for (let i = 0; i < this.live.length; i++) this.live[i]!.send();
   }

@@ -1,4 +1,4 @@
-/** The points that a stroke has met so far, each once; those it will change in order. */
+/** The points that a stroke has met so far, each once, with the points that it changes in order. */
 
 const LEAST = 1024;
 /** Spreads numbers that follow each other (Knuth's multiplicative hash). */
@@ -34,7 +34,7 @@ export class Touched {
     return this.table.filter((key) => key !== 0).map((key) => key - 1);
   }
 
-  /** Put what was taken into its place; false when there was nothing. */
+  /** Sort newly taken points into the others; false when there were none. */
   settle(): boolean {
     if (this.waiting === 0) return false;
     const fresh = this.fresh.subarray(0, this.waiting).sort();

@@ -10,7 +10,7 @@ export interface Volume {
   readonly size: readonly [number, number, number];
   /** About y, radians. */
   readonly yaw: number;
-  /** Turned by this before, x, y, z, w: what does not stand upright. */
+  /** Rotation before the yaw, x, y, z, w, for boxes that are not upright. */
   readonly tilt?: readonly [number, number, number, number];
 }
 
@@ -157,5 +157,5 @@ export function standing(volume: Volume, bottom: number): Volume {
   return stretched(volume, 1, -1, volume.center[1] - volume.size[1] / 2 - bottom);
 }
 
-/** The box of the box tool, until Enter takes what is in it. */
+/** The box of the box tool, until Enter takes the points in it. */
 export const boxDraft = signal<Volume | null>(null);

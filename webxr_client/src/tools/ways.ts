@@ -23,7 +23,7 @@ export interface Way {
   readonly samples: 'clicks' | 'path' | 'once' | 'drawn';
   /** Source of its preview: the page, or the server; null: not shown before. */
   readonly preview: 'lit' | 'asked' | null;
-  /** In the headset: takes what is at the tip, or what the ray meets first. */
+  /** In the headset: takes points at the ray's first hit instead of at the tip. */
   readonly far: boolean;
   /** The name of its size; null when it has none. */
   readonly size: 'Radius' | 'Reach' | null;

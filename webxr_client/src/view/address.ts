@@ -34,7 +34,7 @@ export class Address {
     this.camera.lookAt(new Vector3(x, y, z), new Vector3(...target), true);
   }
 
-  /** Write what has changed, now and then. */
+  /** Write changes to the address at intervals. */
   update(now: number): void {
     const sequence = state.sequence.peek();
     if (now - this.last < EVERY_MS || !sequence || state.playing.peek() || this.view) return;

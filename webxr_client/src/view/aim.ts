@@ -1,4 +1,4 @@
-/** Aim of the mouse: rays into the recording, and what they meet. */
+/** Aim of the mouse: rays into the recording, and their hits. */
 import type { PointerSample } from '../store/types';
 import { Matrix4, Ray, Vector3 } from 'three';
 import type { CloudFrame } from '../cloud/points/frame';
@@ -72,7 +72,7 @@ export class Aim {
     return ray.applyMatrix4(this.viewer.room.matrixWorld);
   }
 
-  /** Return what lies under the cursor, within `radius` of its ray. */
+  /** Return the hit under the cursor, within `radius` of its ray. */
   hit(radius: number): LayerHit | null {
     const frame = this.frame();
     if (!frame || !this.inside) return null;
@@ -109,7 +109,7 @@ export class Aim {
     return this.viewer.camera.halfHeightAt(distance) / (this.canvas.clientHeight / 2);
   }
 
-  /** Row-major `clip_from_source` of what is on screen. */
+  /** Row-major `clip_from_source` of the picture on screen. */
   clipFromSource(info: SequenceInfo): number[] {
     const { camera, room } = this.viewer;
     const [x, y, z] = info.shift;

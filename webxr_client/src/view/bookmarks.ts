@@ -23,7 +23,7 @@ function read(name: string): readonly Bookmark[] {
     const found: unknown = JSON.parse(localStorage.getItem(name) ?? '[]');
     return Array.isArray(found) ? found.filter(isBookmark) : [];
   } catch {
-    // Text of somebody else's there is no bookmark; a browser may keep nothing at all.
+    // Other text under this key is no bookmark; a browser may have no storage at all.
     return [];
   }
 }

@@ -1,4 +1,4 @@
-/** The desk's camera: turn round what is under the cursor, move, zoom to the cursor, walk. */
+/** The desk's camera: turn around the place under the cursor, move, zoom to the cursor, walk. */
 import { Euler, MathUtils, Quaternion, Vector3 } from 'three';
 import type { Lens } from '../cloud/picture/lens';
 import type { View } from '../store/types';
@@ -8,7 +8,7 @@ const PITCH_LIMIT = Math.PI / 2;
 const NEAREST = 0.02;
 /** Half the height of the closest orthographic picture, metres. */
 const LEAST_HALF = 0.01;
-/** A notch of the wheel brings what is looked at to this part of its distance. */
+/** A notch of the wheel reduces the distance of the target to this part. */
 const NOTCH = 0.86;
 /** Part of an orthographic picture that is crossed in a second. */
 const SLIDE = 0.8;
@@ -74,7 +74,7 @@ export class DeskCamera {
     this.move(scratch);
   }
 
-  /** Move the eye and what it looks at. */
+  /** Move the eye and its target. */
   move(by: Vector3): void {
     this.camera.position.add(by);
     this.pivot.add(by);
@@ -116,7 +116,7 @@ export class DeskCamera {
     this.held.clear();
   }
 
-  /** Fly to a view in a moment; at once with `jump`.  `orthographic`: what is seen keeps its size. */
+  /** Fly to a view, or `jump` to it.  `orthographic`: the target keeps its size. */
   lookAt(eye: Vector3, target: Vector3, jump = false, orthographic = false): void {
     const { camera } = this;
     const distance = eye.distanceTo(target);
@@ -142,7 +142,7 @@ export class DeskCamera {
     if (camera.orthographic) this.backOff();
   }
 
-  /** Look as somebody has looked before. */
+  /** Fly to a kept view. */
   restore({ eye, target, half }: View): void {
     this.flyTo(new Vector3(...eye), new Vector3(...target), half, false);
   }
@@ -234,7 +234,7 @@ export class DeskCamera {
     this.backOff();
   }
 
-  /** A person who takes the camera has it at once. */
+  /** End a flight as soon as the user moves the camera. */
   private land(): void {
     if (this.flying && this.to.half > 0 && !this.camera.orthographic) this.arrive();
     this.flying = false;

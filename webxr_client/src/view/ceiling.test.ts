@@ -15,7 +15,7 @@ function level(height: Height, half = 2500, [x0, z0] = [0, 0]): Vector[] {
   });
 }
 
-/** Four walls, of which those behind `open` sides are left out. */
+/** Four walls without the `open` sides. */
 function walls(height: number, half = 2500, sides = 4, [x0, z0] = [0, 0]): Vector[] {
   return Array.from({ length: 300 * sides }, (_, i): Vector => {
     const [along, y] = [((i % 300) % 25) / 12 - 1, (Math.floor((i % 300) / 25) / 11) * height];

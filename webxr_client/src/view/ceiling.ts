@@ -12,7 +12,7 @@ const [LOW, HIGH] = [0.02, 0.98];
 const [WIDEST, LEAST_HEADROOM] = [30, 1.8];
 /** A ceiling is level, and a floor flat, within so many metres. */
 const [LEVEL, FLAT] = [0.2, 0.4];
-/** Most points of a cell above this part of the height are the ceiling's: those of a tree's crown are not. */
+/** Part of the height above which most points of a cell belong to a ceiling, unlike a tree's crown. */
 const UPPER = 0.75;
 /** Metres below a ceiling that a plan leaves out, too. */
 const BELOW = 0.15;

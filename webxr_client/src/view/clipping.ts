@@ -11,7 +11,7 @@ import type { Volume } from '../tools/volume';
 
 /** A box begins so many times as wide as the object's radius. */
 const ROUND_OBJECT = 3;
-/** Or, round what one looks at, and a slab's thickness: parts of the picture's height there. */
+/** Size of a box around the target, and thickness of a slab, as parts of the picture's height there. */
 const [ROUND_VIEW, SLAB] = [0.5, 0.08];
 
 export interface ClippingDeps {
@@ -39,7 +39,7 @@ export class Clipping {
     });
   }
 
-  /** Clip to a box round the active object or what one looks at, or to a slab across an axis. */
+  /** Clip to a box around the active object or the camera's target, or to a slab across an axis. */
   set(slab: Clip['slab']): void {
     const follows = clip.peek()?.follows ?? false;
     clip.value = { volume: slab === null ? this.box() : this.slab(slab), slab, follows };
@@ -64,7 +64,7 @@ export class Clipping {
     return { center: middle.toArray(), size: [edge, edge, edge], yaw: 0 };
   }
 
-  /** Across the view: what lies along it is cut as one sees it. */
+  /** Return a slab across an axis of the current view. */
   private slab(axis: 0 | 1 | 2): Volume {
     const { camera, viewer } = this.deps;
     const info = state.sequence.peek();

@@ -1,4 +1,4 @@
-/** Views of a recording: the first one, the sensor's own or an overview, and those by name. */
+/** Views of a recording: the first one, which is the sensor's or an overview, and presets. */
 import { signal } from '@preact/signals';
 import { type Matrix4, Vector3 } from 'three';
 import type { ViewPreset } from '../store/actions';
@@ -46,7 +46,7 @@ function sensorView(points: readonly Vector3[], room: Matrix4): View | null {
     // A little behind the sensor, so that its whole picture fits with some room around.
     return { eye: sensor.addScaledVector(forward, -0.02 * middle), target };
   }
-  // Far from all points the origin is only where somebody's coordinates begin.
+  // An origin far from all points is not the place of a sensor.
   if (oneWay > 0.9 || near > 0.3 * far) return null;
   const eye = new Vector3(-0.6, 0.75, 0.9).multiplyScalar(1.3 * middle).add(sensor);
   return { eye, target: sensor };

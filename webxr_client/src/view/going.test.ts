@@ -29,7 +29,7 @@ it('finds the nearest frame that has a label', () => {
   expect(nearestWith(undefined, 0)).toBeNull();
 });
 
-/** A frame with two points of a label whose middle is at these millimetres. */
+/** A frame with two points of a label, with their middle at these millimetres. */
 function withLabel(label: number, x: number, y: number, z: number): CloudFrame {
   const frame = frameOf([[x - 5, y, z], [x + 5, y, z], [0, 0, 0]]); // prettier-ignore
   frame.setOverlay('stroke', { indices: Uint32Array.of(0, 1), values: Uint16Array.of(label) });

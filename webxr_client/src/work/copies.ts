@@ -71,7 +71,7 @@ export const groups = computed(() => grouped(pair.value?.places ?? []));
 /** Key of the group on screen, and the frame in it. */
 export const current = signal<{ readonly key: string; readonly frame: number } | null>(null);
 export const shows = signal<Shows>('recording');
-/** The recording whose copies are compared: the one that is open, or that it is a copy of. */
+/** The recording with the compared copies: the open one, or the original of the open copy. */
 export const original = computed(() => {
   const open = state.sequence.value?.id;
   return rowOf(open)?.copy_of ?? open ?? null;
@@ -86,7 +86,7 @@ export const others = computed(() => {
 export const keyOf = ({ first, second }: Pick<Pair, 'first' | 'second'>): string =>
   `${first}/${second}`;
 
-/** Put what differs alike in several frames together, the most points first. */
+/** Group equal differences in several frames, the most points first. */
 export function grouped(places: readonly Disagreement[]): readonly Group[] {
   const found = new Map<string, Disagreement[]>();
   for (const place of places) {
@@ -187,7 +187,7 @@ export async function take(of: string, group?: Group): Promise<void> {
   await loadAgreement();
 }
 
-/** Give the next person a copy without labels of this recording, whose own are right. */
+/** Make a task with a copy without labels; the labels of this recording are ground truth. */
 export async function giveAsTruth(): Promise<void> {
   const made = await addTasks({ recordings: [original.peek()!], every: null, truth: true });
   const next = 'The next annotator gets a copy. The score appears here.';

@@ -10,11 +10,11 @@ import { looking, marked, pointing } from './places';
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.2;
 const [NEAREST, FARTHEST] = [0.8, 10];
-/** Looking down at least so much shows what stands before and behind. */
+/** Least downward part of the view's direction, so that objects do not hide the place. */
 const LEAST_DOWN = 0.25;
 /** Metres within which a click meets a point. */
 const REACH = 0.1;
-/** Of the middle of the picture, where nobody has pointed. */
+/** Metres within which the middle of the picture meets a point. */
 const MIDDLE_REACH = 1;
 
 export class Flight {
@@ -62,7 +62,7 @@ export class Flight {
     this.engine.camera.lookAt(target.clone().add(back), target);
   }
 
-  /** A click while somebody points is theirs, and no stroke. */
+  /** While a place is chosen, a click gives it and starts no stroke. */
   private point(event: PointerEvent): void {
     const take = pointing.peek();
     if (!take || event.button !== 0) return;

@@ -12,7 +12,7 @@ const AGAIN_MS = 20_000;
 /** Edits come one after the other: findings are looked for in a pause. */
 const PAUSE_MS = 1200;
 
-/** Load states and findings anew when labels have changed; forget those of another recording. */
+/** Reload states and findings after changes of labels; clear them with another recording. */
 function followEdits(): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let shown = '';

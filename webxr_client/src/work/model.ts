@@ -93,7 +93,7 @@ export const STATE_WORDS: Readonly<Record<ReviewState, string>> = {
   rejected: 'to correct',
 };
 
-/** The findings that nobody has settled. */
+/** Return the unsettled findings. */
 export function unsettled(findings: readonly Finding[]): readonly Finding[] {
   return findings.filter((finding) => !finding.settled);
 }
@@ -131,7 +131,7 @@ export function standingOf(overview: Overview | null, frame: number): Standing |
   return overview?.frames.find(covers) ?? null;
 }
 
-/** Frames with a note, those of labels in them too, and labels that were judged with one. */
+/** Return the frames and labels with a note, including labels in frames. */
 export function notesOf(overview: Overview | null): readonly Standing[] {
   return [...(overview?.frames ?? []), ...(overview?.labels ?? [])].filter(({ note }) => note);
 }
@@ -143,7 +143,7 @@ export function acceptances({ labels, first, last }: Finding): readonly ReviewPa
   return parts.length > 0 ? parts : [{ ...frames, state: 'accepted' }];
 }
 
-/** The frames that differ most, by share of what either labelled. */
+/** Return the frames with the greatest difference, as a share of points that either labelled. */
 export function worstFrames({ frames }: Agreement, most = 6): Agreement['frames'] {
   const share = (each: Agreement['frames'][number]): number => each.differ / each.labelled;
   return frames

@@ -46,7 +46,7 @@ export const chosen = signal<number | null>(null);
 /** The server tells people by their names, not by their accounts. */
 const me = (): string => state.me.value?.author ?? '';
 
-/** Own tasks to be done: the one that was begun, then those returned. */
+/** Own tasks to do: the task that was begun, then returned tasks. */
 export const mine = computed(() =>
   tasks.value
     .filter((task) => task.assignee === me() && ['taken', 'returned'].includes(task.state))
@@ -152,7 +152,7 @@ export async function handIn(task: Task): Promise<boolean> {
   return true;
 }
 
-/** Hand in the own task whose recording is open, if there is one, and go on to the next. */
+/** Submit the own task of the open recording, if any, and go to the next task. */
 export async function nextTask(): Promise<void> {
   await loadTasks();
   const of = project.peek();

@@ -2,7 +2,7 @@
 import type { Label } from '../protocol/messages';
 import type { Shows } from './copies';
 
-/** Labels of one frame's points, stored order, and what they are. */
+/** Labels of one frame's points, in stored order, and their palette. */
 export interface Copy {
   readonly labels: Uint16Array;
   readonly palette: readonly Label[];

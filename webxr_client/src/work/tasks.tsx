@@ -141,7 +141,7 @@ function Verdict({ task }: { task: Task }) {
   );
 }
 
-/** The tasks of each person, those without an assignee first. */
+/** The tasks of each person, tasks without an assignee first. */
 function ByPerson() {
   const people = [...new Set(queue.tasks.value.map(({ assignee }) => assignee))].sort();
   if (people.length === 0) return <p class="soft empty">This project has no tasks.</p>;
