@@ -13,7 +13,7 @@ export interface AttributeKind {
   readonly name: string;
   readonly kind: 'text' | 'choice' | 'number' | 'yes/no';
   readonly choices: readonly string[];
-  /** It holds for the whole track, or for each frame of its own. */
+  /** It applies to the whole track, or to each frame separately. */
   readonly scope: 'track' | 'frame';
 }
 

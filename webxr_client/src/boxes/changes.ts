@@ -150,7 +150,7 @@ export function leaveBox(): boolean {
 
 // ── work of the server ─────────────────────────────────────────────────────────────────────────
 
-/** Labels that were skipped are told up to so many. */
+/** Most skipped labels that a message lists. */
 const MOST_TOLD = 3;
 
 /** Labels to fit: one label, the labels of its category, or all; `frames` like "3:10". */

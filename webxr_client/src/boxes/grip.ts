@@ -1,4 +1,4 @@
-/** Places of a box that a hand in the room takes hold of. */
+/** Grips of a box for a hand in the room. */
 import type { Shape, Side } from './shape';
 import type { Triple } from '../store/boxes';
 

@@ -11,7 +11,7 @@ import { near, pointsNear, zoom } from './near';
 import { shapeIn, type Shape } from './shape';
 import { lessShift } from './volume';
 
-/** Milliseconds between two looks at the points around the chosen box. */
+/** Milliseconds between two updates of the points around the chosen box. */
 const LOOK_MS = 120;
 
 export class ObjectBoxes {

@@ -184,7 +184,7 @@ function Sizes({ box }: { box: ObjectBox }) {
   ); // prettier-ignore
 }
 
-/** Put the panel beside the stage; the result takes it away again. */
+/** Put the panel beside the stage; the result removes it. */
 export function mountBoxes(): () => void {
   const place = document.createElement('aside');
   place.id = 'boxes';

@@ -141,7 +141,7 @@ export interface BoxView {
   readonly right: Axis;
   readonly up: Axis;
   readonly near: Axis;
-  /** The third axis comes nearer (1) or goes away (−1). */
+  /** The third axis points to the viewer (1) or away (−1). */
   readonly nearer: 1 | -1;
 }
 

@@ -84,7 +84,7 @@ export class Lens {
         const share = step / LINE_STEPS;
         const along = (k: number): number =>
           ends[line + k]! + share * (ends[line + 3 + k]! - ends[line + k]!);
-        // A line that leaves the picture begins anew inside it.
+        // A line that leaves the picture is continued where it enters again.
         const seen = this.project(along(0), along(1), along(2));
         if (seen) path += `${drawn ? 'L' : 'M'}${this.at[0]!.toFixed(1)} ${this.at[1]!.toFixed(1)}`;
         drawn = seen;

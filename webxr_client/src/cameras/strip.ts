@@ -48,7 +48,7 @@ class CameraStrip {
       try {
         cameras = await api<CameraPicture[]>('GET', `sequences/${info.id}/frames/${frame}/cameras`);
       } catch {
-        return; // the banner says that the server is away; the next frame asks again
+        return; // the banner shows that the server is unavailable; the next frame asks again
       }
       if (state.sequence.peek()?.identity !== info.identity) return;
       this.known.set(frame, cameras);

@@ -14,7 +14,7 @@ class Seen {
 
   constructor(private source: XRInputSource) {}
 
-  /** Look at it in a picture; sources that come with each press are one. */
+  /** Record its state in a picture; sources that exist only during a press count as one. */
   note(source: XRInputSource, frame: XRFrame, space: XRReferenceSpace): void {
     this.source = source;
     const { gamepad, hand } = source;
@@ -56,7 +56,7 @@ export class Inputs {
   /** Another number whenever something was found. */
   changes = 0;
 
-  /** Look at all of them, once for each picture. */
+  /** Record the state of all sources, once for each picture. */
   note(sources: Iterable<XRInputSource>, frame: XRFrame, space: XRReferenceSpace): void {
     let changes = this.seen.size;
     for (const source of sources) {

@@ -65,7 +65,7 @@ export class CheckPanel extends Panel {
     ui.text(title, x + em * 1.7, y, { color, weight: now ? 650 : 500 });
   }
 
-  /** Write which buttons were pressed so far: each shows that it is heard. */
+  /** Write the buttons that were pressed so far, as feedback for each press. */
   private drawInputs(ui: Ui, x: number, y: number): void {
     const { em, width } = ui;
     this.inputs.told.slice(0, 2).forEach(({ side, layout, pressed, joints }, i) => {

@@ -1,4 +1,4 @@
-/** Whether this page checks a headset: the server gives it at an address of its own. */
+/** Return whether this page checks a headset, by its separate address. */
 export function isCheck(): boolean {
   return location.pathname.endsWith('/check-headset');
 }

@@ -19,7 +19,7 @@ export const LABEL_COLORS = [
   '#d59ad0',
 ] as const;
 
-/** Told apart by eyes that lack a kind of cones: Okabe and Ito (2008), and five beyond them. */
+/** Colours for colour-blind people: Okabe and Ito (2008), and five further ones. */
 export const SAFE_COLORS = [
   '#e69f00',
   '#56b4e9',

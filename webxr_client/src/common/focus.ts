@@ -38,7 +38,7 @@ export function isForControl({ key, target }: KeyboardEvent): boolean {
   return key === ' ' && focusedByKeys() && target.matches('button, input, summary, a');
 }
 
-/** Give the keys back to the picture when the mouse comes to it. */
+/** Return the keys to the picture when the mouse enters it. */
 export function releaseSlider(): void {
   const { activeElement } = document;
   if (activeElement instanceof HTMLInputElement && activeElement.type === 'range') {

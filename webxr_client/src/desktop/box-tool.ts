@@ -143,7 +143,7 @@ export class BoxTool {
 
 /** Parts of the points that may be strays below the ground and above an object. */
 const [STRAYS_BELOW, STRAYS_ABOVE] = [0.03, 0.003];
-/** The ground is looked for in a footprint so many times as wide: beside the object too. */
+/** The ground is searched in a footprint so many times as wide, which includes its surroundings. */
 const BESIDE = 1.5;
 /** The bottom stands over the ground by this part of the height, at most so many metres. */
 const [CLEARANCE, MOST_CLEARANCE] = [0.06, 0.06];

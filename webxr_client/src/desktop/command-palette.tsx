@@ -1,4 +1,4 @@
-/** Every command, found by its words: Ctrl K. */
+/** Search of all commands by text: Ctrl K. */
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import {
   commandsNow,

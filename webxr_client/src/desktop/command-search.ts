@@ -17,7 +17,7 @@ export interface Command {
   readonly run: () => unknown;
 }
 
-/** Other words for commands, as people ask for them: text of the command, words. */
+/** Synonyms of commands: text of the command, words. */
 export const EVERYDAY: Readonly<Record<string, string>> = {
   'Agreement of annotators: compare, majority, ground truth': 'known truth gold consensus vote score difference quality iou',
   'All recordings': 'home start list files back',

@@ -1,5 +1,5 @@
 /**
- * Everything that can be asked for, as one table: the keyboard listens by it, the help lists its
+ * All commands in one table: the keyboard uses it, the help lists its
  * shortcuts, and the command palette offers all of it.
  */
 import { actions, type ViewPreset } from '../store/actions';

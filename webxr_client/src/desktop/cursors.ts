@@ -46,6 +46,6 @@ export function cursorOf(tool: Tool, way: Way, handle: Handle | null, turns: boo
   if (tool === 'navigate') return 'grab';
   const sign = SIGNS[tool];
   if (!isStroke(tool) && sign) return withSign(sign);
-  // The brush has a ring, so that other tools show their sign; other shapes show their own sign.
+  // The brush has a ring, so that its cursor shows the tool's sign if any; other shapes show theirs.
   return withSign(way.name === 'ray' && sign ? sign : way.icon);
 }

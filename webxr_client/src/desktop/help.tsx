@@ -33,7 +33,7 @@ interface HelpRow {
   readonly binding?: KeyBinding;
 }
 
-/** The command that waits for its new key, by its words; and whether keys are being changed. */
+/** The text of the command that waits for its new key, and whether keys are being changed. */
 const waiting = signal<string | null>(null);
 const changing = signal(false);
 
@@ -143,7 +143,7 @@ function KeyList({ group, rows }: KeyListProps) {
   );
 }
 
-/** A key that can be pressed anew: Backspace gives back the first one, Escape changes nothing. */
+/** A key that can be changed: Backspace restores the default, Escape cancels. */
 function KeyButton({ what, shown }: { what: string; shown: string }) {
   const waits = waiting.value === what;
   const press = (event: KeyboardEvent): void => {

@@ -12,7 +12,7 @@ describe('keys', () => {
   it('each have one meaning', () => {
     const all = COMMANDS.flatMap((binding) => binding.keys);
     expect(new Set(all).size).toBe(all.length);
-    // Walking is done with these; a tool on one of them would walk away with the camera.
+    // These keys walk; a tool on one of them would also move the camera.
     for (const key of WALK_KEYS.shown.toLowerCase().split(' ')) expect(all).not.toContain(key);
   });
 

@@ -138,7 +138,7 @@ export class DeskPointer {
     return null;
   }
 
-  /** Whether a press takes points away from an object. */
+  /** Return whether a press removes points from an object. */
   private removes(event: PointerEvent): boolean {
     return event.altKey && event.button === 0 && this.clicksObjects();
   }
@@ -202,7 +202,7 @@ export class DeskPointer {
     viewer.invalidate();
   }
 
-  /** Give up the stroke or outline in progress; false when there is none. */
+  /** Cancel the stroke or outline in progress; false when there is none. */
   cancel(): boolean {
     const { drag } = this;
     const draft = this.boxes.drop();
@@ -361,7 +361,7 @@ export class DeskPointer {
     this.deps.viewer.invalidate();
   }
 
-  /** Settings changed: the brush must be drawn anew although the mouse is still. */
+  /** Redraw the brush after a change of settings, although the mouse has not moved. */
   refresh(): void {
     this.aim.moved = true;
     this.lasso.changed ||= this.lasso.open;

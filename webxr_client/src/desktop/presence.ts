@@ -1,4 +1,4 @@
-/** Tells the others where the brush is: a few times a second, and only when it moved. */
+/** Sends the place of the brush to other people: a few times a second, and only after it moved. */
 import type { Vector3 } from 'three';
 import type { Link } from '../net/link';
 import { peek } from '../store/watch';

@@ -19,7 +19,7 @@ const NAMES: Readonly<Record<string, string>> = {
   '-': '−',
 };
 
-/** Whether a person may give a command another key: not digits, which stand for labels. */
+/** Return whether a command may get another key; digits are reserved for labels. */
 export function isChangeable({ keys, listed }: KeyBinding): boolean {
   return listed !== false && keys.length <= 2;
 }

@@ -34,7 +34,7 @@ interface Edited {
   readonly handles: readonly Handle[];
   readonly color: string;
   readonly write: (volume: Volume) => void;
-  /** It was let go. */
+  /** Called at the end of a drag. */
   readonly done?: () => void;
 }
 
@@ -110,7 +110,7 @@ export class VolumeHandles {
     return Math.hypot(u - this.aim.x, v - this.aim.y);
   }
 
-  /** Take hold of the handle under the cursor; false where there is none. */
+  /** Grab the handle under the cursor; false if there is none. */
   grab(): boolean {
     const found = this.under();
     this.grip = found && { ...found, from: this.aim.roomRay() };

@@ -25,7 +25,7 @@ export class Detail {
   private order = '';
   private key = '';
   private next = 0;
-  /** Chunks asked for last, when, and the state of the frame then. */
+  /** Last requested chunks, the time of the request, and the state of the frame then. */
   private asked = new Set<number>();
   private askedAt = 0;
   private version = -1;
@@ -188,7 +188,7 @@ export function nodeOf({ index, count, lo, hi, parent }: ChunkRow): OctreeNode {
   box.min.fromArray(lo);
   box.max.fromArray(hi);
   const sides = [hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]].sort((a, b) => a - b);
-  // Points lie on surfaces: the two longer sides tell how large theirs is.
+  // Points lie on surfaces: the two longer sides give the area.
   const spacing = Math.sqrt((sides[1]! * sides[2]!) / Math.max(1, count));
   return { index, count, box, spacing, parent };
 }

@@ -31,7 +31,7 @@ function keep(next: readonly Ray[], place: string): void {
   count.value = next.length;
 }
 
-// Taking the tool anew begins anew.
+// Choosing the tool again clears the places.
 watch([state.tool], () => {
   if (state.tool.peek() !== 'floor') keep([], '');
 });
@@ -51,7 +51,7 @@ async function point({ origin, direction }: PointerSample): Promise<void> {
   await attempt('The floor was not set', async () => {
     await api('POST', `${sequencePath(info.id)}/floor`, { frame, samples });
     keep(samples, place);
-    // At the desk a message would lie over the floor, and the row of the tool's options says it.
+    // At the desk, the row of the tool's options shows this; a message would cover the floor.
     if (state.xr.peek().session !== 'running') return;
     const more =
       samples.length < MOST ? 'Point at a second place far away to level the floor.' : '';

@@ -44,7 +44,7 @@ export function installHook(engine: Engine): void {
         interval: viewer.intervalMs.recent(),
       };
     },
-    /** Take times anew, until they are asked for. */
+    /** Restart the measurement of times. */
     resetTiming: () => viewer.measure(true),
     /** Look from `eye` to `target`, room coordinates. */
     look: (eye: [number, number, number], target: [number, number, number]) => {

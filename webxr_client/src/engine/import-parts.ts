@@ -47,7 +47,7 @@ export function mayBeSeveral(files: readonly ChosenFile[]): boolean {
   return kinds.length > 1 && new Set(kinds).size === 1;
 }
 
-/** Options of one of several recordings, which has a name of its own. */
+/** Options of one of several recordings, which has a separate name. */
 export function optionsOf({ files, name }: ImportPart, options: ImportOptions): ImportOptions {
   const shared = Object.fromEntries(Object.entries(options).filter(([key]) => key !== 'name'));
   return files ? { ...shared, name } : shared;
@@ -59,7 +59,7 @@ export function areReady(parts: readonly ImportPart[]): boolean {
   return chosen.length > 0 && chosen.every(({ path, upload }) => path ?? upload);
 }
 
-/** Imports that are on the card and not asked for yet. */
+/** Imports that are on the card and not requested yet. */
 const unsent = new Set<string>();
 
 /** Import several recordings; their jobs are shown before the server answers. */

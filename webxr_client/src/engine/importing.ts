@@ -152,7 +152,7 @@ async function leave(): Promise<void> {
   if (draft) await dropUploads([draft, ...(draft.parts ?? [])]);
 }
 
-/** Outcome of an import of label files, in words. */
+/** Return the message about an import of label files. */
 export function outcome({ changed, matched, files, locked }: LabelsFound): string {
   const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
   const pairs = files.slice(0, TOLD).map(({ file, frame }) => `${file} → ${frame}`);

@@ -24,7 +24,7 @@ export function closeImports(): void {
   ids.value = [];
 }
 
-/** Add an import that was begun elsewhere, once it is heard of. */
+/** Add an import that was started elsewhere, at its first message. */
 export function noteImport(job: Job): void {
   const known = ids.peek().includes(job.id);
   if (job.kind === 'import' && isActive(job) && isMine(job) && !known) joinImports([[job.id, '']]);

@@ -137,7 +137,7 @@ describe('the end of a run', () => {
     };
     inbox.receive({ t: 'message', message: { ...job, owner: 'bob', sequence: 'street' } });
     expect(state.notices.value).toEqual([]);
-    // Nor may one stop it, or is it in the way of a run of one's own.
+    // The user cannot stop it, and it does not block the user's own run.
     const running = { ...job, owner: 'bob', sequence: 'street', state: 'running' } as const;
     inbox.receive({ t: 'message', message: running });
     expect([trackingJob.value, canCancel(running), canCancel(job)]).toEqual([null, false, true]);

@@ -150,7 +150,7 @@ export class Inbox {
       this.deps.strokes.drop(about);
       if (answered) return;
     }
-    // A recording that is not there (any more) stays neither "opening" nor open.
+    // A recording that does not exist is neither "opening" nor open.
     else if (state.opening.peek() !== null || status === 404) actions.closeSequence();
     // Nothing to undo is an answer, not a fault.
     notify(status === 409 ? 'info' : 'error', title, detail);

@@ -184,7 +184,7 @@ type Create = (name: string, color: string) => Promise<number>;
 
 let made: Promise<number> = Promise.resolve(0);
 
-/** Show a name to type over, and ask the server for the label meanwhile. */
+/** Show an editable name while the server creates the label. */
 async function beginLabel(create: Create): Promise<void> {
   if (!canEdit.peek() || newLabel.peek()) return;
   const palette = state.palette.peek();

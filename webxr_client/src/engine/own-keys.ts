@@ -28,7 +28,7 @@ export function followOwnKeys(): () => void {
 
 async function load(): Promise<void> {
   const { keys } = await api<{ keys: OwnKeys | null }>('GET', PATH);
-  if (keysToStore.peek() !== null) return; // changed meanwhile
+  if (keysToStore.peek() !== null) return; // changed during the request
   if (keys !== null) takeKeys(keys);
   else if (Object.keys(ownKeys.peek()).length > 0) await put(ownKeys.peek());
 }

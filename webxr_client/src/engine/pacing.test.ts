@@ -89,7 +89,7 @@ describe('the budget of points', () => {
     const display = new Display(1e6, 1_000_000, false, 1000 / 30);
     display.run(20);
     expect(display.drawn).toBe(1_000_000);
-    // Should points be to blame later on, they are taken away after all.
+    // If points become the cause later, they are reduced after all.
     display.rate = 10_000;
     display.run(5);
     expect(display.drawn).toBeLessThan(500_000);

@@ -92,7 +92,7 @@ export class Pacing {
 
 /** A picture later than this many times its target is late; most late ones make it less. */
 const LATE = 1.3;
-/** Pictures that are looked at together, or as many as come in this time. */
+/** Pictures of one decision, or as many as are drawn in this time. */
 const WINDOW = 8;
 const WINDOW_MS = 600;
 const LEAST_PICTURES = 3;
@@ -105,7 +105,7 @@ const GROW = 1.3;
 /** Milliseconds in time before more points are tried; doubled when that was too many. */
 const PATIENCE_MS = 1000;
 const LONGEST_PATIENCE_MS = 30_000;
-/** A cut that makes pictures faster by no more than this part was of no use. */
+/** A cut that reduces the time of pictures by at most this part had no effect. */
 const FASTER = 0.92;
 /** Share by which points may take longer where other work takes most of the time. */
 const SHARE_OF_REST = 1.5;
@@ -175,7 +175,7 @@ export class PointBudget {
   /** Learn from the last cut how much time is not the points'; true when it was of no use. */
   private learnFloor(mean: number, target: number, drawn: number, now: number): boolean {
     if (this.points <= FEWEST_POINTS) {
-      // Nothing is left to take away: all of it is the rest.
+      // No points are left to remove: all of the time is other work.
       this.floor = SHARE_OF_REST * mean;
       this.change(now);
       return true;

@@ -32,7 +32,7 @@ export class Playback {
   pointBudget: number | null = null;
   /** Frames that are laid over one when it is shown: sent with it, and kept. */
   around: (frame: number) => number[] = () => [];
-  /** Told of each frame that has become complete. */
+  /** Called with each frame that has become complete. */
   readonly completed = new Listeners<CloudFrame>();
   private info: SequenceInfo | null = null;
   private readonly clock = new PlayClock();
@@ -177,7 +177,7 @@ export class Playback {
     this.link.recycle(this.store.dropChunks(frame, chunks));
   }
 
-  /** Drop frames from the cache; the server is told. */
+  /** Drop frames from the cache and notify the server. */
   forget(frames: readonly CloudFrame[]): void {
     this.link.send({ type: 'forget', frames: frames.map((frame) => frame.index) });
     for (const frame of frames) {

@@ -1,4 +1,4 @@
-/** The list of recordings as a person wants it: words of their names, and an order. */
+/** The list of recordings: search by words of their names, and sorting. */
 import { signal } from '@preact/signals';
 import { keep, kept } from '../store/kept';
 import type { SequenceSummary } from '../store/state';

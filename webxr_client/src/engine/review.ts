@@ -25,7 +25,7 @@ const unsureText = computed(() => {
   return doubtful.map(([label]) => label).join(' ');
 });
 
-/** The words before the names of doubtful labels. */
+/** The text before the names of doubtful labels. */
 export const DOUBTFUL_HERE = 'Doubtful here';
 
 /** Labels that are doubtful or lost in the frame at which time stands. */
@@ -40,7 +40,7 @@ let stopped: TrackRequest | null = null;
 /** The table of the run's frames may come a little after its end. */
 const PATIENCE_MS = 3000;
 
-/** A run was asked for. */
+/** Record the request of a run. */
 export function runAsked(request: TrackRequest): void {
   asked = request.stop_unsure ? request : null;
   stopped = null;
@@ -53,7 +53,7 @@ export function forgetRun(): void {
   halted.value = null;
 }
 
-/** A run has ended: go to where it stopped, and say so in place of the message `told`. */
+/** A run has ended: go to the frame where it stopped, and replace the message `told`. */
 export function runEnded(told: number | null): void {
   const request = asked;
   asked = null;
@@ -189,7 +189,7 @@ interface Again {
   readonly stop: number;
 }
 
-/** The run that finds a stretch anew: from the sure frame before it, else from the one behind. */
+/** Return the run that tracks a stretch again, from the sure frame before it, or else after it. */
 export function againOver({ labels, start, stop }: Stretch, rows: Rows): Again | null {
   for (const [from, to] of [[start - 1, stop], [stop + 1, start]] as const) {
     const there = labels.filter(

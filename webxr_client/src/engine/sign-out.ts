@@ -3,7 +3,7 @@ import { api } from '../net/rest';
 import { notify, state } from '../store/state';
 import { attempt } from './recordings';
 
-/** End the session and go to the page that says so; not while edits wait to be stored. */
+/** End the session and go to the page of the sign-out; not while edits wait to be stored. */
 export async function signOut(): Promise<void> {
   if (state.pending.peek() > 0) {
     notify(

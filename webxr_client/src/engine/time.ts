@@ -112,7 +112,7 @@ async function find(sequence: string, edit: string): Promise<HistoryEntry | null
   return edits.find((entry) => entry.id === edit) ?? null;
 }
 
-/** Go to the nearest frame of an edit, and say so. */
+/** Go to the nearest frame of an edit, and show a message. */
 function go(type: 'undo' | 'redo', { frames, summary }: HistoryEntry): void {
   const here = state.frame.peek();
   if (frames.length === 0 || frames.includes(here)) return;

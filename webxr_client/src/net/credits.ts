@@ -40,7 +40,7 @@ export class Credits {
     return credit ? { ...credit, ...pace } : null;
   }
 
-  /** The page's pace changed by itself. */
+  /** The page's pace changed without a segment. */
   paced(pace: Pace): Credit {
     this.pace = pace;
     return { type: 'credit', frames: 0, ...pace };

@@ -14,7 +14,7 @@ export interface SequenceOut {
   readonly points: readonly number[];
   /** Fault, in a sentence: it cannot be opened; null when it is sound. */
   readonly damaged: string | null;
-  /** Reason why the labels in its files did not come in; null when they did, or it has none. */
+  /** Reason why the labels in its files were not imported; null if they were, or if it has none. */
   readonly labels_missing: string | null;
   /** Date of the import, ISO 8601. */
   readonly created: string | null;
@@ -29,13 +29,13 @@ export interface SequenceOut {
   readonly identity: string | null;
   /** Id of its project. */
   readonly project: string;
-  /** Recording that it is one person's copy of; told to reviewers alone. */
+  /** Original of this copy for one person; only reviewers receive it. */
   readonly copy_of: string | null;
 }
 
 export class Early {
   readonly link = new Link();
-  /** The recording that was asked for; null where the page has to show the list, or an error. */
+  /** The requested recording; null if the page has to show the list, or an error. */
   readonly opening: Promise<string | null>;
   /** The recording that the address names where there is none of that id, or null. */
   missing: string | null = null;

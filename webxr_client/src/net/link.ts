@@ -19,13 +19,13 @@ export class Link {
     name: 'pointbrush-decoder',
   });
 
-  /** Edits begun here; the worker hears of them a little later. */
+  /** Number of edits begun here; the worker receives them a little later. */
   private begun = 0;
   /** Last number of unanswered edits from the worker, minus the edits that it had received. */
   private unanswered = 0;
 
   private listener: ((message: FromWorker) => void) | null = null;
-  /** Messages that came before anybody listened. */
+  /** Messages received before there was a listener. */
   private readonly unheard: FromWorker[] = [];
 
   constructor() {
@@ -35,7 +35,7 @@ export class Link {
     this.tellDecoder({ t: 'socket', port: port2 }, [port2]);
   }
 
-  /** Hear everything, from the first message on. */
+  /** Receive all messages, from the first one on. */
   listen(listener: (message: FromWorker) => void): void {
     this.listener = listener;
     for (const message of this.unheard.splice(0)) listener(message);
@@ -90,7 +90,7 @@ export class Link {
     this.reportPending();
   }
 
-  /** Count edits that the worker has not heard of yet: they have no answer either. */
+  /** Count edits that the worker has not received yet: they have no answer either. */
   private reportPending(): void {
     const count = this.unanswered + this.begun;
     this.tell({ t: 'pending', count, heard: this.begun });

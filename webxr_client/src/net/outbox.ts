@@ -26,7 +26,7 @@ export interface OutboxEntry {
   readonly first: StrokeBegin | Undo | Redo | Track;
   readonly samples: Sample[];
   ended: boolean;
-  /** Points that the ended stroke takes, where the page says so. */
+  /** Points that the ended stroke takes, if the page sends them. */
   touched?: TouchedPoints[] | null;
 }
 

@@ -16,7 +16,7 @@ export function apiUrl(path: string): string {
   return new URL(`api/v1/${path}`, document.baseURI).href;
 }
 
-/** The JSON answer; raises ApiError with the server's words (RFC 9457). */
+/** Return the JSON answer; throws ApiError with the server's problem (RFC 9457). */
 export async function api<T>(method: string, path: string, body?: unknown): Promise<T> {
   const response = await ask(method, path, body);
   return (response.status === 204 ? undefined : await response.json()) as T;
@@ -72,7 +72,7 @@ async function problem(response: Response): Promise<ApiError> {
   }
 }
 
-/** Send files; `progress` hears how many bytes have gone. */
+/** Send files; `progress` gets the number of sent bytes. */
 export function upload<T>(
   path: string,
   form: FormData,

@@ -62,7 +62,7 @@ class Browser implements Outside {
     return () => (this.later = null);
   }
 
-  /** States of the link that the page was told, oldest first. */
+  /** States of the link that were sent to the page, oldest first. */
   get links(): string[] {
     return this.posted.flatMap((message) => (message.t === 'link' ? [message.state] : []));
   }

@@ -47,7 +47,7 @@ export interface Outside {
   readonly depth: boolean;
   /** Begin to connect. */
   dial(told: Told): Socket;
-  /** Reason why the server refuses a socket, in words; empty where it does not. */
+  /** Message with the reason why the server refuses a socket; empty if it does not. */
   whyRefused(): Promise<string>;
   post(message: ToDecoder, transfer?: Transferable[]): void;
   /** Call later; the result cancels it. */
@@ -57,17 +57,17 @@ export interface Outside {
 type Connection =
   | { readonly state: 'idle' }
   | { readonly state: 'connecting' | 'online'; readonly socket: Socket }
-  /** `stop` keeps it from connecting by itself. */
+  /** `stop` cancels the automatic reconnect. */
   | { readonly state: 'offline'; readonly stop: () => void }
-  /** The socket is gone, and the server is asked for the reason. */
+  /** The socket is closed, and a request asks for the reason. */
   | { readonly state: 'asking' }
   | { readonly state: 'refused' };
 
 type Recording =
   | { readonly state: 'closed' }
   /**
-   * Asked for, by this socket or to be by the next.  From an earlier answer: the import's
-   * `identity`, and the newest revision that the page has heard of.
+   * Requested on this socket or on the next one.  From an earlier answer: the import's
+   * `identity`, and the newest revision that the page has received.
    */
   | {
       readonly state: 'asked';
@@ -142,7 +142,7 @@ export class Session {
     const before = this.connection;
     if (!('socket' in before) || before.socket !== socket) return;
     this.unanswered();
-    // A browser does not say why a socket was refused; a plain request does.
+    // A browser does not report why a socket was refused; a plain request returns the reason.
     const asking: Connection = { state: 'asking' };
     this.connection = asking;
     const refusal = before.state === 'online' ? refusalOf(event) : await this.outside.whyRefused();
@@ -205,7 +205,7 @@ export class Session {
     this.onceRestored(() => this.transmit(this.credits.paced(pace)));
   }
 
-  /** Tell the page how many edits have no answer. */
+  /** Send the page the number of edits without an answer. */
   private report(): void {
     this.outside.post({ t: 'pending', count: this.outbox.size, heard: this.heard });
   }

@@ -11,7 +11,7 @@ export type ToWorker =
   | { t: 'close' }
   /** The page took in a segment. */
   | { t: 'applied'; pace: Pace }
-  /** The pace changed by itself. */
+  /** The pace changed without a segment. */
   | { t: 'pace'; pace: Pace };
 
 /** The page to the decoder. */

@@ -74,7 +74,7 @@ export class Boxes {
     const along = edge >> 2;
     for (let axis = 0; axis < 3; axis++) {
       const half = values[at(slot, HALF + axis)]! + AIR;
-      // Of the two other axes the first bit says the side of one, the second that of the other.
+      // The first bit is the side along one of the other axes, the second bit along the other.
       const bit = axis === (along + 1) % 3 ? 1 : 2;
       middle[axis] = axis === along ? 0 : edge & bit ? half : -half;
       size[axis] = axis === along ? 2 * half + BAR : BAR;

@@ -26,7 +26,7 @@ export class Overlays {
   private ghostOf: CloudFrame | null = null;
   private ghostVersion = -1;
   private next = 0;
-  /** Placement of the recording when it was looked at. */
+  /** Placement of the recording at the last update. */
   private room: readonly number[] | null = null;
 
   constructor(private readonly engine: Engine) {
@@ -42,7 +42,7 @@ export class Overlays {
     });
   }
 
-  /** Once per picture: looks at one frame anew at most, so that it costs little. */
+  /** Update at most one frame in each picture, which bounds the cost. */
   update(now: number): void {
     const info = peek(state.sequence);
     const view = peek(state.view);

@@ -5,7 +5,7 @@ import { DELETED, type Piece } from '../cloud/points/piece';
 
 /** Numbers kept for each label. */
 const FIELDS = 9;
-/** Labels that can be told apart; more than anybody follows at a time. */
+/** Most labels of a summary, far more than a person follows at a time. */
 const MOST = 512;
 /** Shortest time between two summaries of a frame with changing labels (during a stroke). */
 const EVERY_MS = 80;
@@ -28,7 +28,7 @@ export class Summary {
   }
 }
 
-/** Buffers used while a frame is looked at; grown when needed, and used for every frame. */
+/** Buffers for summarising a frame; grown when needed, and reused for every frame. */
 class Scratch {
   /** Label → position in the summary, −1 while it was not met. */
   readonly slots = new Int16Array(65536).fill(-1);
@@ -51,7 +51,7 @@ class Scratch {
 }
 
 export class Summaries {
-  /** Counts the summaries made anew. */
+  /** Counts the updated summaries. */
   version = 0;
   private known = new WeakMap<CloudFrame, Summary>();
   private readonly scratch = new Scratch();
@@ -70,12 +70,12 @@ export class Summaries {
     return summary;
   }
 
-  /** The recording stands elsewhere: nothing that is known holds any more. */
+  /** Drop all summaries after the recording's placement has changed. */
   forget(): void {
     this.known = new WeakMap();
   }
 
-  /** Whether `of` would have to look at the frame. */
+  /** Return whether `of` would have to summarise the frame. */
   stale(frame: CloudFrame): boolean {
     return this.known.get(frame)?.versions !== frame.version;
   }

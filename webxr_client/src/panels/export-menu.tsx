@@ -57,7 +57,7 @@ function ExportMenu() {
   );
 }
 
-/** Used labels without a category: formats with classes make each of them a class of its own. */
+/** Used labels without a category: in formats with classes, each of them becomes a class. */
 const uncategorised = computed(() => {
   const boxed = new Set([...boxes.value.values()].map(({ label }) => label));
   const used = (id: number): boolean => boxed.has(id) || (state.counts.value.get(id) ?? 0) > 0;

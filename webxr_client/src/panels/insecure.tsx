@@ -38,7 +38,7 @@ const NAMES = [
   [/Android XR|\bXR\b/, 'headset'],
 ] as const;
 
-/** Return the kind of headset that a browser runs on; null: none that says so. */
+/** Return the kind of headset that a browser names in its user agent; null: none. */
 export function headsetOf(userAgent: string): string | null {
   return NAMES.find(([name]) => name.test(userAgent))?.[1] ?? null;
 }

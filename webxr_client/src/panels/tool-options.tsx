@@ -179,7 +179,7 @@ function Action() {
 
 const afterOpen = signal(false);
 
-/** Actions that follow a stroke by themselves. */
+/** Actions that follow a stroke automatically. */
 function AfterStroke({ path }: { path: boolean }) {
   const brush = state.brush.value;
   return (

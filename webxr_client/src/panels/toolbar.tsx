@@ -27,7 +27,7 @@ const RARE_TOOLS: readonly RadioOption<Tool>[] = [
   { value: 'restore', icon: 'restore', label: 'Restore', tip: 'Restore deleted points', keys: 'Shift X' },
 ]; // prettier-ignore
 
-/** Whether there is room for the words of all tools. */
+/** Whether there is room for the names of all tools. */
 const room = matchMedia('(width >= 1440px)');
 const roomy = signal(room.matches);
 room.addEventListener('change', () => (roomy.value = room.matches));
@@ -152,7 +152,7 @@ function TrackButton() {
 function VrButton() {
   const { supported, session, passthrough, enters, detail } = state.xr.value;
   if (!supported) {
-    const looking = supported === null; // its place is kept meanwhile
+    const looking = supported === null; // its place is reserved
     const tip = looking ? 'Looking for a headset…' : `No headset. ${detail}`;
     const why = (): void => void notify('info', 'No headset', detail);
     return <Button icon="headset" tip={tip} disabled={looking} onClick={why} />;

@@ -121,7 +121,7 @@ function usePlace(box: { current: HTMLElement | null }, at: string): void {
   useEffect(() => {
     const resized = new ResizeObserver(() => placeAnew({}));
     resized.observe(document.getElementById('stage')!);
-    // The toolbar's second row is another one with another tool, and its words have another width.
+    // The toolbar's second row changes with the tool, and with the width of its texts.
     const { tool, brush, activeLabel, palette } = state;
     const stop = watch([tool, brush, activeLabel, palette], () => placeAnew({}));
     return () => {
@@ -148,7 +148,7 @@ function keepForButtons(event: KeyboardEvent): void {
   if (event.key === 'Tab' || event.key === ' ' || event.key === 'Enter') event.stopPropagation();
 }
 
-/** Escape leaves the tour, unless it closes or gives up something else. */
+/** Escape leaves the tour, unless it closes or cancels something else. */
 function leaveByEscape(event: KeyboardEvent): void {
   if (event.key !== 'Escape' || event.defaultPrevented) return;
   const typing = event.target instanceof HTMLInputElement && event.target.type !== 'range';

@@ -51,7 +51,7 @@ export interface Actions {
   setRadius(metres: number): void;
   /** One notch of [ and ]: 1 larger, −1 smaller. */
   nudgeRadius(notches: number): void;
-  /** Give up the stroke or outline in progress; false when there is none. */
+  /** Cancel the stroke or outline in progress; false when there is none. */
   cancelStroke(): boolean;
   /** Close the drawn polygon, or take the points in the drawn box; false when there is neither. */
   closeOutline(): boolean;
@@ -104,7 +104,7 @@ export interface Actions {
   deleteLabel(id: number): Promise<void>;
   /** Give a label's points in all frames to another one, and remove it. */
   mergeLabel(id: number, into: number): Promise<void>;
-  /** Give each connected part of a label in this frame a label of its own. */
+  /** Give each connected part of a label in this frame a separate label. */
   splitLabel(id: number): Promise<void>;
   /** The label that was active before this one; false when there is none. */
   lastLabel(): boolean;
@@ -133,7 +133,7 @@ export interface Actions {
   acceptStretch(): Promise<void>;
   /** Clear the tracked points in the doubtful frames around this one. */
   clearStretch(): Promise<void>;
-  /** Find it anew, from the sure frame beside them. */
+  /** Track the doubtful frames again, from the sure frame beside them. */
   trackStretch(): void;
   /** Take labels from all of their points in frames. */
   clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
@@ -168,7 +168,7 @@ export interface Actions {
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
   /** Correct the reading of the files; null takes an option back. */
   correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
-  /** The files are labels of a recording, or (null) a recording of their own, or several. */
+  /** The files are labels of a recording, or (null) a new recording, or several. */
   retargetImport(sequence: string | null, several?: boolean): Promise<void>;
   /** Import a part of the draft, by its number, or leave it out; of all without a number. */
   includePart(included: boolean, number?: number): void;
@@ -185,7 +185,7 @@ export interface Actions {
     id?: string,
   ): Promise<void>;
 
-  /** Begin the next task of a project, or go on with one's own. */
+  /** Begin the next task of a project, or continue the user's own task. */
   nextTask(project: string, work?: 'label' | 'review'): Promise<void>;
 
   // connection and messages

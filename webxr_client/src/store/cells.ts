@@ -20,7 +20,7 @@ export function cellKind(row: TimelineRow, frame: number): CellKind {
   return (row.confidence[frame] ?? 1) < DOUBTFUL_BELOW ? 'doubtful' : 'tracked';
 }
 
-/** Whether a person should look at such a cell. */
+/** Return whether a person should check such a cell. */
 export function wantsLook(kind: CellKind): boolean {
   return kind === 'doubtful' || kind === 'lost';
 }

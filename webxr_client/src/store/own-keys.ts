@@ -4,10 +4,10 @@ import { keep, kept } from './kept';
 import { state } from './state';
 import { follow } from './watch';
 
-/** Command, by its words → key as the keyboard's table writes it. */
+/** Text of a command → key as the keyboard's table writes it. */
 export type OwnKeys = Readonly<Record<string, string>>;
 
-/** Former words of commands → their words now: stored keys may have the former ones. */
+/** Former texts of commands → current ones: stored keys may have the former ones. */
 const RENAMED: OwnKeys = {
   'Accept this frame': 'Mark this frame as checked',
   'Reject this frame': 'Mark this frame as to be corrected',

@@ -3,7 +3,7 @@ import { computed, signal } from '@preact/signals';
 import type { Label } from '../protocol/messages';
 import { state } from './state';
 
-/** The palette shows labels with these words. */
+/** Search words; the palette shows labels with all of them. */
 export const search = signal('');
 /** Whether the labels are open in a small window, where they lie over the picture. */
 export const listAsked = signal(false);

@@ -124,7 +124,7 @@ export const state = {
   uploads: signal<readonly Upload[]>([]),
   /** Files that wait to be imported; null when there are none. */
   importing: signal<ImportDraft | null>(null),
-  /** Edits that undo and redo would take, in words; null when there is nothing. */
+  /** Summaries of the edits that undo and redo would take; null when there is none. */
   undo: signal<string | null>(null),
   redo: signal<string | null>(null),
   /** Newest first; filled when `actions.loadHistory` was called. */
@@ -168,7 +168,7 @@ export function isMine({ owner }: Pick<Job, 'owner'>): boolean {
   return me === null || owner === '' || owner === me.account;
 }
 
-/** Whether this person may stop a job: their own, or as a manager anybody's. */
+/** Return whether this person may stop a job: their own, or as a manager any job. */
 export function canCancel(job: Pick<Job, 'owner'>): boolean {
   return canManage.value || (canEdit.value && isMine(job));
 }
@@ -192,7 +192,7 @@ export const canManage: ReadonlySignal<boolean> = computed(() => includes('manag
 export const ROLES = ['viewer', 'annotator', 'reviewer', 'manager', 'admin'] as const;
 
 /**
- * Whether this person's role includes another; true until the server has told it, and false for
+ * Whether this person's role includes another; true until the role is known, and false for
  * all once it refuses the page.
  */
 function includes(role: (typeof ROLES)[number]): boolean {
@@ -223,7 +223,7 @@ const SHOWN_MS = 4000;
 /** Time for which a message with an action to undo is shown, milliseconds. */
 const SHOWN_WITH_ACTION_MS = 12_000;
 
-/** Show a message, and return its id; `info` and `success` leave by themselves. */
+/** Show a message, and return its id; `info` and `success` disappear after some seconds. */
 export function notify(
   kind: Notice['kind'],
   title: string,

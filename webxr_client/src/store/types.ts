@@ -10,7 +10,7 @@ export type ConnectionState = 'connecting' | 'online' | 'offline' | 'refused';
 
 export interface Connection {
   readonly state: ConnectionState;
-  /** One sentence for the user; empty when there is nothing to say. */
+  /** One sentence for the user, or empty. */
   readonly detail: string;
   /** `performance.now()` of the next try, or null. */
   readonly retryAt: number | null;
@@ -52,7 +52,7 @@ export interface SequenceSummary extends Omit<SequenceOut, 'points'> {
 
 /** A deleted recording that can still be brought back. */
 export interface DeletedSequence {
-  /** Of its import: tells it from others that had its id. */
+  /** Identity of its import, which differs from other imports of the same id. */
   readonly identity: string;
   readonly name: string;
   readonly frames: number;
@@ -108,7 +108,7 @@ export interface BrushSettings {
   readonly takeLabelled: boolean;
   /** After a stroke the object that it lies on is offered. */
   readonly complete: boolean;
-  /** Whether painted points are tracked on by themselves. */
+  /** Whether painted points are tracked on automatically. */
   readonly follow: boolean;
 }
 
@@ -247,7 +247,7 @@ export interface Upload {
   readonly total: number;
 }
 
-/** Preview of an import of files, in the server's words. */
+/** Preview of an import of files, as the server sends it. */
 export interface ImportPreview {
   readonly name: string;
   readonly format: string;

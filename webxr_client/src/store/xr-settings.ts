@@ -15,7 +15,7 @@ export interface XrSettings {
   /** Narrow the view while one is moved. */
   readonly vignette: boolean;
   readonly seated: boolean;
-  /** Bare hands are asked for when one enters; browsers may ask the person about that. */
+  /** Request hand tracking at the start of a session; browsers may ask for permission. */
   readonly hands: boolean;
   /** Sounds where a pulse cannot be felt, beside each pulse, or never. */
   readonly sound: 'instead' | 'always' | 'off';
@@ -68,7 +68,7 @@ function load(): XrSettings {
     const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '{}');
     if (typeof kept !== 'object' || kept === null) return DEFAULTS;
     const settings: XrSettings = { ...DEFAULTS, ...kept };
-    // A tip that is none any more: older pages kept the box as one.
+    // Older pages stored the box as a tip, which no longer exists.
     return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'sphere' };
   } catch {
     return DEFAULTS;

@@ -29,7 +29,7 @@ export interface Webhook {
   readonly paused_until: string | null;
 }
 
-/** An event that was told to a webhook, or is to be: `delivered` is null until it has arrived. */
+/** An event for a webhook; `delivered` is null until it has arrived. */
 export interface Delivery {
   readonly id: string;
   readonly topic: string;

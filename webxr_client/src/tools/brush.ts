@@ -1,4 +1,4 @@
-/** Brush of a stroke: the store's settings in the words of the wire. */
+/** Brush of a stroke: the store's settings as a message. */
 import { framesAround } from '../cloud/points/accumulation';
 import { actions } from '../store/actions';
 import { clipBox } from './clip';
@@ -34,7 +34,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
     tool,
     shape: way.name,
     radius,
-    // Of an object, "take from other labels" says the same.
+    // For an object, "take from other labels" is the same setting.
     only_unlabeled: onlyUnlabeled && way.name !== 'object',
     through: through && way.through,
     ...(way.name === 'object' && { take_labelled: takeLabelled }),

@@ -130,7 +130,7 @@ export class LassoOutline {
       .map(([x, y]) => [(x / width) * 2 - 1, 1 - (y / height) * 2]);
   }
 
-  /** The same, and the outline is gone. */
+  /** Return the outline and remove it. */
   end(): [number, number][] | null {
     // The corner that follows the pointer is none that was set.
     if (this.kind === 'polygon') this.pointer = null;

@@ -27,9 +27,9 @@ export interface ObjectDeps {
   readonly frame: () => CloudFrame | null;
   /** Source minus local coordinates. */
   readonly shift: () => Vec;
-  /** Action of a click, in the words of the wire; null when it may not. */
+  /** Brush of a click as a message; null when a click may not paint. */
   readonly brush: () => Brush | null;
-  /** The picture must be drawn anew. */
+  /** Called when the picture must be drawn again. */
   readonly changed: () => void;
   readonly later: (run: () => void, milliseconds: number) => () => void;
 }
@@ -48,7 +48,7 @@ interface Question extends Clicks {
   readonly purpose: Purpose;
   /** Candidate that the clicks refine, or ''. */
   readonly previous: string;
-  /** Points shown meanwhile: the level most like them is the one meant; null: the server's choice. */
+  /** Points shown during the question: the most similar level is chosen; null: the server's choice. */
   readonly like: Uint32Array | null;
 }
 
@@ -210,7 +210,7 @@ export class ObjectTool {
     this.dropOverlay();
     const candidates = message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) }));
     const like = question.like && mostLike(candidates, question.like);
-    // Near points alone do not tell where an object ends: its smallest part is the least wrong.
+    // Near points alone do not show the extent of an object: its smallest part is the safest choice.
     const first = message.ready || question.purpose !== 'hover' ? message.first : 0;
     const level = like ?? Math.max(0, Math.min(first, candidates.length - 1));
     this.offer = { question, candidates, ready: message.ready, level, chosen: like !== null };

@@ -14,7 +14,7 @@ export function sourceSample({ origin, direction }: PointerSample, shift: Vec): 
 const MOST = 256;
 const NUMBERS = 6;
 
-/** A stroke's path, so that it can be completed to an object; nothing is allocated meanwhile. */
+/** A stroke's path, so that it can be completed to an object; adding allocates nothing. */
 export class Path {
   private readonly numbers = new Float64Array(MOST * NUMBERS);
   private count = 0;

@@ -18,7 +18,7 @@ export type Locked = (label: number) => boolean;
 
 /** Shapes with points that the page finds itself. */
 const FOUND_HERE: ReadonlySet<string> = new Set(['sphere', 'ray', 'lasso', 'box']);
-/** Bytes of runs up to which the page says which points a stroke takes. */
+/** Most bytes of runs with which the page sends the points of a stroke. */
 const MOST_RUN_BYTES = 2 ** 20;
 /** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
 const AHEAD = 'ahead';
@@ -196,7 +196,7 @@ export class StrokePreview {
     for (let i = 0; i < this.parts.length; i++) this.parts[i]!.show();
   }
 
-  /** Show nothing any more. */
+  /** Remove the preview. */
   drop(): void {
     for (const part of this.parts) part.drop();
   }

@@ -152,9 +152,9 @@ export class Strokes {
   private readonly ended = new Map<string, StrokePreview>();
   /** Points that strokes with their own points would change, until the server's count arrives. */
   private readonly expected = new Map<string, number>();
-  /** Told every answer: `touched` drives the haptic pulse. */
+  /** Called with every answer: `touched` drives the haptic pulse. */
   readonly results = new Listeners<StrokeResult>();
-  /** Told every stroke that begins. */
+  /** Called with every stroke that begins. */
   readonly begins = new Listeners<Begun>();
 
   constructor(private readonly deps: StrokeDeps) {}
@@ -192,12 +192,12 @@ export class Strokes {
     this.results.run(result);
     if (!result.final) return;
     this.compare(result);
-    // An unchanged frame needs no delta; otherwise the delta takes the preview away.
+    // An unchanged frame gets no delta; otherwise the delta removes the preview.
     if (result.changed === 0) this.drop(result.id);
     else setTimeout(() => this.drop(result.id), LINGER_MS);
   }
 
-  /** Say that a stroke came out smaller than it was shown. */
+  /** Warn of a stroke that changed fewer points than its preview. */
   private compare({ id, changed }: StrokeResult): void {
     const points = this.expected.get(id) ?? 0;
     this.expected.delete(id);

@@ -100,7 +100,7 @@ function along(at: Vector3, way: Vector3, { origin, direction }: Ray): number {
   const between = at.clone().sub(origin);
   const slant = way.dot(direction);
   const apart = 1 - slant * slant;
-  // In line with the ray there is no telling how far.
+  // If the line is parallel to the ray, the distance is undefined.
   if (apart < 1e-4) return NaN;
   return (slant * direction.dot(between) - way.dot(between)) / apart;
 }

@@ -55,7 +55,7 @@ export class Aim {
     const far = this.scratch.set(u, v, 0.5).unproject(camera);
     this.toLocal.copy(room.matrixWorld).invert();
     const eye = new Vector3().copy(camera.position);
-    // Rays of an orthographic picture are parallel: each has an origin of its own.
+    // Rays of an orthographic picture are parallel, with different origins.
     if (camera.orthographic) eye.set(u, v, -1).unproject(camera);
     eye.applyMatrix4(this.toLocal);
     const direction = far.applyMatrix4(this.toLocal).sub(eye).normalize();

@@ -4,7 +4,7 @@ import type { CloudFrame } from '../cloud/points/frame';
 import { samplePoints } from '../cloud/points/samples';
 import { quantile } from './framing';
 
-/** Points looked at; fewer than the least make no room. */
+/** Number of sampled points, and the least number for a room. */
 const [SAMPLES, LEAST] = [6000, 300];
 /** Parts of the points between which a room lies in each direction: others are strays. */
 const [LOW, HIGH] = [0.02, 0.98];

@@ -10,7 +10,7 @@ interface View {
   readonly target: Vector3;
 }
 
-/** Points looked at to find out how the recording lies. */
+/** Number of points sampled to find the recording's orientation. */
 const SAMPLES = 2000;
 /** Mean of unit directions from a sensor that sees one way is longer than this. */
 const ONE_WAY = 0.6;

@@ -12,7 +12,7 @@ export const followsObject = signal(false);
 
 /** An object takes about this part of the picture's height. */
 const SHARE = 0.35;
-/** The least radius that is looked at, metres. */
+/** The least radius of a target, metres. */
 const SMALLEST = 0.05;
 
 export interface GoingDeps {

@@ -111,7 +111,7 @@ export function personOf(id: string): string {
   return [...new Set(own.map(({ assignee }) => assignee))].join(' and ') || 'unassigned';
 }
 
-/** A disagreement in words; `names`: of both people. */
+/** Return the text of a disagreement; `names`: of both people. */
 export function wordsOf(place: Disagreement, [one, other]: readonly [string, string]): string {
   const first = place.first.join(', ');
   const second = place.second.join(', ');
@@ -196,7 +196,7 @@ export async function giveAsTruth(): Promise<void> {
 
 const wanted = computed(() => (onScreen('agreement') && project.value ? original.value : null));
 
-/** Compare anew when the tab is opened, or another recording; the result ends it. */
+/** Compare again when the tab or another recording is opened; the result ends it. */
 export function followCopies(): () => void {
   let compared: string | null = null;
   return watch([wanted], () => {

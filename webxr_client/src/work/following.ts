@@ -7,9 +7,9 @@ import { chosen, loadTasks } from './queue';
 import { checks, forgetReview, loadStates, refreshReview } from './review';
 import { openWork, shows, workOpen } from './store';
 
-/** No message says that others have changed a task or a state: they are loaded this often. */
+/** Interval of reloading tasks and states, because there are no messages of their changes. */
 const AGAIN_MS = 20_000;
-/** Edits come one after the other: findings are looked for in a pause. */
+/** Debounce of the search for findings after edits. */
 const PAUSE_MS = 1200;
 
 /** Reload states and findings after changes of labels; clear them with another recording. */

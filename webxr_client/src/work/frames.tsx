@@ -10,7 +10,7 @@ import { Entry, NoteField } from './parts';
 import { pointing, visit } from './places';
 import { draft, judge, overview } from './review';
 
-/** The states that a frame can be given: words, and the key for the frame on screen. */
+/** The states that a frame can get: text, and the key for the frame on screen. */
 const VERBS: readonly (readonly [ReviewState, string, string?])[] = [
   ['accepted', 'Mark as checked', 'Ctrl Enter'],
   ['rejected', 'Needs correction', 'Ctrl Backspace'],

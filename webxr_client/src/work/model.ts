@@ -1,4 +1,4 @@
-/** Values of the review: the server's answers by its names, their order, and their words. */
+/** Values of the review: the server's answers by its names, their order, and their texts. */
 
 export type ReviewState = 'open' | 'review' | 'accepted' | 'rejected';
 export type Place = readonly [number, number, number];
@@ -84,7 +84,7 @@ export interface Agreement {
   }[];
 }
 
-/** Order of findings, and the review's words; nothing here asks the server. */
+/** Order of findings, and texts of the review, without requests. */
 export const STATES: readonly ReviewState[] = ['open', 'review', 'accepted', 'rejected'];
 export const STATE_WORDS: Readonly<Record<ReviewState, string>> = {
   open: 'open',
@@ -118,7 +118,7 @@ export function stepFrom(
   return order.find(beyond) ?? order[0]!;
 }
 
-/** The frames of a finding or a standing, in words. */
+/** Return the text of the frames of a finding or a standing. */
 export function framesOf({ first, last }: Pick<Standing, 'first' | 'last'>): string {
   if (first === null || last === null) return 'palette';
   return first === last ? `frame ${first}` : `frames ${first}–${last}`;

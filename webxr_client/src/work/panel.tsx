@@ -71,7 +71,7 @@ export function WorkButton() {
   );
 }
 
-/** Put the panel beside the stage; the result takes it away again. */
+/** Put the panel beside the stage; the result removes it. */
 export function mountWork(): () => void {
   const place = document.createElement('aside');
   place.id = 'work';

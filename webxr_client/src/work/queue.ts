@@ -40,10 +40,10 @@ interface TaskEvent {
 }
 
 export const tasks = signal<readonly Task[]>([]);
-/** Number of the task that was gone to. */
+/** Number of the opened task. */
 export const chosen = signal<number | null>(null);
 
-/** The server tells people by their names, not by their accounts. */
+/** The server identifies people by their names, not by their accounts. */
 const me = (): string => state.me.value?.author ?? '';
 
 /** Own tasks to do: the task that was begun, then returned tasks. */
@@ -53,7 +53,7 @@ export const mine = computed(() =>
     .sort((a, b) => Number(b.state === 'taken') - Number(a.state === 'taken')),
 );
 
-/** The task of another person that was gone to and can be accepted or returned, or null. */
+/** The opened task of another person that can be accepted or returned, or null. */
 export const judged = computed(() => {
   const task = tasks.value.find(({ number }) => number === chosen.value);
   const judges = task && task.assignee !== me() && ['done', 'review', 'accepted'].includes(task.state); // prettier-ignore

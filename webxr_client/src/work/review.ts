@@ -32,7 +32,7 @@ function path(rest: string): string {
   return `${sequencePath(state.sequence.peek()?.id ?? '')}/${rest}`;
 }
 
-/** Fetch a value of the open recording; null where another one was opened meanwhile. */
+/** Fetch a value of the open recording; null if another one was opened during the request. */
 async function fetched<T>(rest: string): Promise<T | null> {
   const id = state.sequence.peek()?.id;
   const found = await api<T>('GET', path(rest));
@@ -79,7 +79,7 @@ interface Draft {
 }
 
 const NOTHING: Draft = { note: '', place: null, first: null, last: null };
-/** Draft of a note, kept while other tabs are looked at. */
+/** Draft of a note, kept while other tabs are shown. */
 export const draft = signal<Draft>(NOTHING);
 
 /** Set the state of the draft's frames, with its note. */

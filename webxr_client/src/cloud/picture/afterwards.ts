@@ -1,5 +1,5 @@
 /**
- * Work that can wait until a picture has gone to the display: messages above all, since posting one wakes
+ * Work that can wait until a picture is displayed, mostly messages: posting one wakes
  * another thread, which may take this one's place on a busy processor.
  */
 import { Listeners } from '../../store/listeners';

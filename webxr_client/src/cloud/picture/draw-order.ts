@@ -95,7 +95,7 @@ class Kept {
     const { entries, pool, count } = this;
     for (let i = 0; i < count; i++) entries[i] = pool[i]!;
     if (entries.length > count) entries.length = count;
-    // Pieces that are gone must not be held.
+    // Removed pieces must not be kept in memory.
     for (let i = count; i < pool.length && pool[i]!.object; i++) {
       pool[i]!.object = pool[i]!.geometry = null;
     }

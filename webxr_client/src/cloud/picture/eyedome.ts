@@ -1,4 +1,4 @@
-/** Eye-dome lighting: points go to a texture first, and come to the screen with their edges shaded. */
+/** Eye-dome lighting: points are drawn to a texture, then to the screen with shaded edges. */
 import { BufferAttribute, BufferGeometry, DepthTexture, GLSL3, Mesh, NearestFilter, RawShaderMaterial, UnsignedIntType, Vector2, Vector3, WebGLRenderTarget } from 'three'; // prettier-ignore
 import type { Lens } from './lens';
 import { EYE_DOME_FRAGMENT, SCREEN_VERTEX } from './shaders';
@@ -6,7 +6,7 @@ import { EYE_DOME_FRAGMENT, SCREEN_VERTEX } from './shaders';
 /** Strength of the shading by depth, and the part of its light that the darkest edge keeps. */
 type Shading = readonly [strength: number, least: number];
 const NO_SHADING: Shading = [0, 1];
-/** Of edges alone, under colours that show shapes by themselves. */
+/** Shading of edges only, for colours that show shapes. */
 const EDGE_SHADING: Shading = [4, 0.67];
 /** Of all shapes, which plain points show by nothing else. */
 const SHAPE_SHADING: Shading = [60, 0.2];

@@ -95,7 +95,7 @@ function coloursOf(pieces: readonly Piece[], room: Matrix4): Uint8Array {
 /**
  * A view of our own GL buffer that three takes for the data of an interleaved attribute.
  * three's `GLBufferAttribute` knows no stride and its `InterleavedBuffer` insists on a second
- * copy of the points in memory; together they say all that it needs.
+ * copy of the points in memory; together they provide all that it needs.
  */
 function interleaved(
   buffer: WebGLBuffer,

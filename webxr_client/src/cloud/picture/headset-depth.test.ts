@@ -66,7 +66,7 @@ describe('depth in the headset', () => {
     reverseEyes([camera]);
     const after = new Vector4(1, 2, -7, 1).applyMatrix4(camera.projectionMatrix);
     expect([after.x, after.y, after.w]).toEqual([before.x, before.y, before.w]);
-    // three.js would make a projection of its own for a camera that does not say so.
+    // three.js would replace the projection of a camera without this flag.
     expect(camera.reversedDepth).toBe(true);
     const back = after.applyMatrix4(camera.projectionMatrixInverse);
     expect(back.x / back.w).toBeCloseTo(1, 4);

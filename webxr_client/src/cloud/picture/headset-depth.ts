@@ -8,7 +8,7 @@ import type { Camera, Matrix4, PerspectiveCamera, WebGLRenderer } from 'three';
 
 /** Metres from the eyes to the near plane. */
 export const NEAR = 0.05;
-/** Metres to the far plane at least, and how many times the recording's size it is away. */
+/** Least distance of the far plane in metres, and its distance in sizes of the recording. */
 const LEAST_FAR = 100;
 const FAR_SIZES = 6;
 

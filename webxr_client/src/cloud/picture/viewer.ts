@@ -265,7 +265,7 @@ export class Viewer {
     this.cloud?.setLimit(points);
     this.over?.setLimit(points);
     if (this.drawn === before) return;
-    // The next picture takes another time: it says nothing of the one before.
+    // The next picture takes another time, which is unrelated to the previous one.
     this.intervalMs.interrupt();
     this.dirty = true;
   }
@@ -322,7 +322,7 @@ export class Viewer {
     this.intervalMs.mark(now);
   }
 
-  /** A picture that cannot be drawn is told of; the loop goes on to the next one. */
+  /** Report a picture that cannot be drawn; the loop continues with the next one. */
   private draw(presenting: boolean): void {
     try {
       if (presenting) this.drawHeadset();
@@ -332,7 +332,7 @@ export class Viewer {
     }
   }
 
-  /** Take times from now on, or no more: asking the clock leaves a number behind each time. */
+  /** Measure times from now on, or not: each reading of the clock allocates a number. */
   measure(on: boolean): void {
     this.measuring = this.afterwards.measuring = on;
     if (!on) return;

@@ -1,4 +1,4 @@
-/** Bounds of runs of neighbouring points, so that picking and painting look at few of them. */
+/** Bounds of runs of neighbouring points, so that picking and painting test few of them. */
 
 /** Points per block. */
 export const BLOCK = 256;

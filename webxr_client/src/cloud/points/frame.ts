@@ -47,7 +47,7 @@ export class CloudFrame {
 
   /**
    * Take in decoded points.  False when they are not used: already here, or not joining on
-   * (then `gap` is true, and the frame must be asked for again).
+   * (then `gap` is true, and the frame must be requested again).
    */
   add(segment: Segment): boolean {
     const chunks = segment.chunks.filter((chunk) => !this.has(chunk));

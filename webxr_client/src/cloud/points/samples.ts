@@ -1,4 +1,4 @@
-/** Some points of a frame, from which to tell how it lies. */
+/** A sample of a frame's points, to find its orientation. */
 import { type Matrix4, Vector3 } from 'three';
 import type { CloudFrame } from './frame';
 

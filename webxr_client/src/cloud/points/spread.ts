@@ -3,7 +3,7 @@ import type { Matrix4 } from 'three';
 import type { CloudFrame } from './frame';
 import { samplePoints } from './samples';
 
-/** Points looked at. */
+/** Number of sampled points. */
 const SAMPLES = 4000;
 /** Parts of the points below and above which values are strays. */
 const [LOW, HIGH] = [0.02, 0.98];

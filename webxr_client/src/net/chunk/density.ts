@@ -24,14 +24,14 @@ const RUNS = 65536 / RUN;
 const MANY = 256;
 const spacings = new Float32Array(RUNS);
 const distances = new Float32Array(RUNS);
-/** Runs looked at to find the rule that spacings follow. */
+/** Number of runs from which the rule of spacings is found. */
 const SAMPLES = 128;
 const samples = new Float32Array(SAMPLES);
 /** A rule holds when half the runs are this near to it, relatively. */
 const TIGHT = 1;
 /** A run's box against the patch in it, measured on patches of known spacing. */
 const BOX_EXCESS = 0.8;
-/** Steps from point to point looked at in a run. */
+/** Number of steps from point to point that are measured in a run. */
 const STEPS = 6;
 /** The shorter steps are this much below the spacing of a grid with noise. */
 const STEP_EXCESS = 1.15;

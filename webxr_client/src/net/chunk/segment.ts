@@ -76,7 +76,7 @@ export function imageBuffers({ depths, colours }: DepthImage): ArrayBuffer[] {
   return colours ? [depths.buffer, colours.bytes.buffer] : [depths.buffer];
 }
 
-/** Metres between neighbouring points that a size code stands for, at the level's own density. */
+/** Return the metres between neighbouring points of a size code, at the level's own density. */
 export function spacingOf(code: number): number {
   return SMALLEST * 2 ** (code / STEPS);
 }

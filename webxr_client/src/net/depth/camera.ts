@@ -105,7 +105,7 @@ export class Camera {
 /** Layout of the memory as it is at first. */
 function arraysOf(lattice: Lattice, bands: readonly Band[]) {
   const { width, height } = lattice;
-  // Neighbours beyond the edges are looked for in a margin.
+  // The margin holds neighbours beyond the edges.
   const margin = firstStep(lattice);
   const most = Math.max(...bands.map((band) => pixelsOf(band, width)));
   return {

@@ -1,7 +1,7 @@
 /** The bytes of a band: frequencies, tokens in rANS, and low bits (`docs/depth-format.md`). */
 
 const CONTEXTS = 11;
-/** Remainders below this are tokens of their own; above, tokens stand for quarters of octaves. */
+/** Remainders below this have separate tokens; above, tokens represent quarters of octaves. */
 const DIRECT = 16;
 const TOKENS = 1 + DIRECT + 4 * 14;
 const MOST_LOW_BITS = 15;

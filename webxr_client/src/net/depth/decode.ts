@@ -70,7 +70,7 @@ export class DepthDecoder {
       void coming.picture?.then((picture) => picture.close());
       return segmentOf(message, [], this.pool.take(0), null, 0);
     }
-    // The browser reads the picture meanwhile.
+    // The browser reads the picture at the same time.
     const painted = this.paint(camera, coming, first);
     const started = performance.now();
     const { pixels, chunks, listed } = this.join(camera, coming, before);

@@ -1,4 +1,4 @@
-/** JPEG → pixels, by the browser's own decoder, which works in a thread of its own. */
+/** JPEG → pixels, by the browser's own decoder, which works in a separate thread. */
 import type { Colours } from '../chunk/segment';
 
 const JPEG = 'image/jpeg';

@@ -52,7 +52,7 @@ function labelsMissing({ labels_missing: reason }: SequenceSummary): string {
   return reason === null ? '' : `Labels were not imported: ${reason}`;
 }
 
-/** Length, size, labels and date. Neither frames nor labels with points say that all is done. */
+/** Length, size, labels and date. Frames and labels with points do not mean that all is done. */
 function Figures({ row }: { row: SequenceSummary }) {
   const { frames, fps, labelled, labels, labels_used: used, changed } = row;
   const long = fps > 0 && frames > 1 ? ` · ${clock(frames / fps)}` : '';

@@ -1,4 +1,4 @@
-/** The few controls everything is made of. */
+/** Basic controls of the panels. */
 import type { ComponentChildren, RefObject } from 'preact';
 import { useRef } from 'preact/hooks';
 import { Icon, type IconName } from '../../common/icons';
@@ -156,7 +156,7 @@ export function Swatch({ color }: { color: string }) {
 interface NameFieldProps {
   name: string;
   maxLength?: number;
-  /** The typed name, without space around it; null: given up. */
+  /** The typed name, without space around it; null: cancelled. */
   onFinish: (name: string | null) => void;
 }
 

@@ -1,4 +1,4 @@
-/** A name that is cut in its middle: its end, a number as a rule, tells it from others. */
+/** A name that is cut in its middle, because its end, usually a number, distinguishes it. */
 
 /** The last word of a name, with the space before it, when it is short enough to stay. */
 const END = /^(.*\S)(\s+\S{1,5})$/u;

@@ -7,7 +7,7 @@ interface RowProps {
   children: ComponentChildren;
 }
 
-/** A control with its words before it. */
+/** A control with its label before it. */
 export function Row({ label, tip, children }: RowProps) {
   return (
     <label class="row" data-tip={tip}>
@@ -17,7 +17,7 @@ export function Row({ label, tip, children }: RowProps) {
   );
 }
 
-/** A list to choose from with its words before it. */
+/** A list to choose from with its label before it. */
 export function ChoiceRow<T extends string>(props: ChoiceProps<T> & { label: string }) {
   const { label, tip, ...choice } = props;
   return (
@@ -29,7 +29,7 @@ export function ChoiceRow<T extends string>(props: ChoiceProps<T> & { label: str
 
 type FieldProps = ComponentProps<'input'> & { label: string; tip?: string };
 
-/** A field with its words above it. */
+/** A field with its label above it. */
 export function Field({ label, tip, ...input }: FieldProps) {
   return (
     <label data-tip={tip}>
@@ -41,7 +41,7 @@ export function Field({ label, tip, ...input }: FieldProps) {
 
 interface ChoiceProps<T extends string> {
   value: T;
-  /** Value and words of each. */
+  /** Value and text of each. */
   choices: readonly (readonly [value: T, words: string, ...rest: unknown[]])[];
   /** Its name, where no label is beside it. */
   label?: string;

@@ -105,7 +105,7 @@ interface PopoverButtonProps {
   pressed?: boolean;
   small?: boolean;
   disabled?: boolean;
-  /** Words on the button, and its class. */
+  /** Text of the button, and its class. */
   button?: { label: string; class?: string };
   /** Name of the popover. */
   label: string;

@@ -3,7 +3,7 @@ import { rove } from './radio-group';
 
 interface TabsProps<T extends string> {
   label: string;
-  /** Value and words of each, and a count to show beside them. */
+  /** Value and text of each, and a count to show beside them. */
   tabs: readonly (readonly [value: T, words: string, count?: number])[];
   chosen: T;
   onChoose: (tab: T) => void;

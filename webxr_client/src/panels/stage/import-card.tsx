@@ -1,4 +1,4 @@
-/** One card for all imports of one's own: how far they are, and each by its name. */
+/** One card for all imports of the user: their progress, and each with its name. */
 import { useSignal } from '@preact/signals';
 import { cancelImport } from '../../engine/import-parts';
 import { closeImports, importName, ownImports } from '../../engine/imports';

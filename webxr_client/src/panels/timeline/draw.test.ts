@@ -2,7 +2,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 import { DARK_INK, drawTimeline, type TimelinePicture } from './draw';
 import { atNextPicture } from './next-picture';
 
-/** A canvas that keeps the words and where they are written. */
+/** A canvas that records texts and their places. */
 function recorder() {
   const words: [text: string, x: number][] = [];
   const pen = new Proxy(

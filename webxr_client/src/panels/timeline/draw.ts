@@ -31,7 +31,7 @@ export interface TimelineSizes {
   readonly ink: StripInk;
 }
 
-/** Colours of the strips; contrast of words on each of the backs is above 4.5. */
+/** Colours of the strips; the contrast of text on each background is above 4.5. */
 export interface StripInk {
   readonly back: `#${string}`;
   readonly lane: `#${string}`;

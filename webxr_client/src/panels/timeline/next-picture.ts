@@ -7,7 +7,7 @@ export interface NextPicture<T> {
 
 /**
  * Call `draw` with the newest value at the next picture of the browser. A pending call is not
- * requested anew: values that change before every picture would put it off without end.
+ * requested again: values that change before every picture would postpone it forever.
  */
 export function atNextPicture<T>(draw: (value: T) => void): NextPicture<T> {
   let newest: { readonly value: T } | null = null;

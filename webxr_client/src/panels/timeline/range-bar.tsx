@@ -53,7 +53,7 @@ export function RangeBar({ span, frames, gutter }: RangeBarProps) {
   }
 }
 
-/** Marks of doubtful frames, which zooming does not draw anew. */
+/** Marks of doubtful frames, which zooming does not redraw. */
 function Doubts({ frames }: { frames: number }) {
   return doubtfulFrames(state.timeline.value.rows.values(), frames).map((frame) => (
     <i key={frame} style={{ left: `${(100 * frame) / frames}%` }} />
