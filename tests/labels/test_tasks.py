@@ -14,6 +14,7 @@ from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.labels import LabelStore, backup
 from pointbrush.labels.projects import Change
 from pointbrush.labels.tasks import Stretch, Task, Wanted
+from pointbrush.roles import Role
 from pointbrush.work.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import old_workspace
@@ -170,17 +171,33 @@ def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
     def seen(account: str) -> bool:
         return access.to_sequence("shelf", account, "reviewer") is not None
 
-    guard = store.guards.reserve(["shelf"], lambda _: True)
     assert not seen("bob"), "before an import has told its project"
     store.recordings.register("shelf", [3], "one", "night")
-    store.guards.end(guard)
     assert (seen("ada"), seen("bob")) == (True, False)
     store.recordings.delete("shelf")
     store.recordings.register("shelf", [3], "two")
     assert (seen("ada"), seen("bob")) == (True, True)
     store.recordings.delete("shelf")
-    guard = store.guards.reserve(["shelf"], lambda _: True)
     assert not seen("bob"), "who saw the one before"
     store.recordings.register("shelf", [3], "three", "night")
-    store.guards.end(guard)
     assert (seen("ada"), seen("bob")) == (True, False)
+
+
+@pytest.mark.parametrize("roles", [{"ada": "annotator"}, {}])
+def test_deleted_recordings_of_a_closed_project_stay_hidden_after_it_is_removed(
+    store: LabelStore, roles: dict[str, Role]
+) -> None:
+    store.team.projects.create("night", Change(roles=roles))
+    store.recordings.register("shelf", [3], "one", "night")
+    number = store.recordings.delete("shelf").number
+    store.team.projects.remove("night")
+    seen = None if roles else "annotator"
+    access = store.team.access
+    assert access.to_number(number, "ada", "annotator") == seen
+    assert access.to_number(number, "bob", "annotator") == seen
+    assert access.to_number(number, "lead", "manager") == "manager"
+    store.team.projects.create("night", Change(roles={"bob": "annotator"}))
+    assert access.to_number(number, "bob", "annotator") == seen, "the next project of this id"
+    store.recordings.restore(number, "shelf")
+    assert "shelf" in store.team.projects.get(PROJECT).recordings
+    assert access.to_sequence("shelf", "bob", "annotator") == "annotator"

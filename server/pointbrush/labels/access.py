@@ -12,9 +12,8 @@ from dataclasses import dataclass, field
 from sqlalchemy import Connection, select
 
 from pointbrush.labels.database import Database
-from pointbrush.labels.guards import coming_in
 from pointbrush.labels.project_tables import project_roles, tasks
-from pointbrush.labels.projects import OVERSEES, role_in
+from pointbrush.labels.projects import OVERSEES, REMOVED, role_in
 from pointbrush.labels.schema import PROJECT_OF, WHOLE, sequences
 from pointbrush.names import SCRATCH
 from pointbrush.roles import Role, includes
@@ -51,14 +50,12 @@ class _Known:
     """Snapshot of the roles in each project and of its recordings.
 
     ``numbers``: by id, the recordings that had it in turn, each with the time of its deletion.  The
-    other maps are by permanent number.  ``coming``: ids of unfinished imports; their recordings are
-    hidden until they have a number.  ``copies``: the people with tasks in each copy for one person;
-    ``homes``: its project.
+    other maps are by permanent number.  ``copies``: the people with tasks in each copy for one
+    person; ``homes``: its project.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
     numbers: Mapping[str, Sequence[tuple[float, int]]] = field(default_factory=dict)
-    coming: frozenset[str] = frozenset()
     projects: Mapping[int, str] = field(default_factory=dict)
     copies: Mapping[int, set[str]] = field(default_factory=dict)
     homes: Mapping[int, str] = field(default_factory=dict)
@@ -88,8 +85,11 @@ class _Known:
     def role_in(
         self, sequence: str, account: str, role: Role, at: float | None = None
     ) -> Role | None:
-        """Return the role of an account in the recording that had an id at a time, as ``role``."""
-        if at is None and sequence in self.coming and not self.has(sequence):
+        """Return the role of an account in the recording that had an id at a time, as ``role``.
+
+        A recording is not shown before it has a number: until then its project is not known.
+        """
+        if at is None and not self.has(sequence):
             return None
         return self.role(self.number(sequence, at), account, role)
 
@@ -98,6 +98,8 @@ class _Known:
         if number is None:
             return role
         project = self.projects.get(number)
+        if project == REMOVED:
+            return None
         own = role if project is None else role_in(self.roles[project], account, role)
         if own is None or includes(own, COMPARES) or not self.hides(number, account):
             return own
@@ -188,16 +190,15 @@ class Access:
             with self._database.read() as connection:
                 for row in connection.execute(select(project_roles)):
                     roles.setdefault(row.project, {})[row.account] = row.role
-                coming = coming_in(connection, self._database.now(connection))
                 for row in connection.execute(rows):
                     end = math.inf if row.deleted is None else row.deleted
                     numbers[row.id].append((end, row.number))
-                    if row.project in roles:
+                    if row.project in roles or row.project == REMOVED:
                         projects[row.number] = row.project
                 copies = _copies(connection)
             for lives in numbers.values():
                 lives.sort()
-            self._known = _Known(roles, numbers, coming, projects, *copies, time.monotonic())
+            self._known = _Known(roles, numbers, projects, *copies, time.monotonic())
             return self._known
 
 

@@ -109,7 +109,9 @@ class Guards:
     def importing(self) -> set[str]:
         """Return the ids reserved by unfinished imports."""
         with self._database.read() as connection:
-            return set(coming_in(connection, self._database.now(connection)))
+            now = self._database.now(connection)
+            rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
+        return {row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS)}
 
     def _remove(self, condition: Any) -> None:
         with self._database.write() as connection:
@@ -154,12 +156,6 @@ def busy_with(connection: Connection, sequence: str, now: float) -> str | None:
             host = row.host.partition("/")[0]
             return f"it {DOING[row.kind]} (by process {row.process} on {host})"
     return None
-
-
-def coming_in(connection: Connection, now: float) -> frozenset[str]:
-    """Return the ids reserved by unfinished imports."""
-    rows = connection.execute(select(works).where(works.c.kind == IMPORT)).all()
-    return frozenset(row.sequence for row in rows if not given_up(row, now, EXPIRY_SECONDS))
 
 
 def _clear(connection: Connection, now: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from sqlalchemy import Connection, delete, func, insert, select, update
@@ -34,6 +35,9 @@ MOST_PROJECTS = 1_000
 """Limit for a workspace, as the list of projects is read and sent as a whole."""
 OVERSEES: Role = "manager"
 """Role in the workspace that includes access to every project."""
+REMOVED = ".removed"
+"""Project of deleted recordings after the removal of their closed project: only managers see them.
+No project can have this id."""
 _ID = re.compile("[a-z0-9][a-z0-9._-]{0,63}")
 
 
@@ -146,8 +150,11 @@ class Projects:
                     f"project: expected one without recordings, {project!r} has {one!r}: "
                     "move them to another project first"
                 )
+            people = select(project_roles.c.account).where(project_roles.c.project == project)
+            closed = connection.execute(people.limit(1)).first() is not None
             gone = update(sequences).where(sequences.c.project == project)
-            connection.execute(gone.values(project=None))  # deleted recordings
+            value = REMOVED if closed else None
+            connection.execute(gone.values(project=value))  # deleted recordings
             forget_tasks(connection, tasks.c.project == project)
             named = select(versions.c.id).where(versions.c.project == project)
             held_then = version_recordings.c.version.in_(named)
@@ -165,9 +172,10 @@ class Projects:
 
 
 def put_in(connection: Connection, project: str, sequence: str) -> None:
-    """Put a recording into a project; raises NotFoundError."""
-    lock_project(connection, project)
-    _apply(connection, project, Change(recordings=(sequence,)))
+    """Put a recording into a project; it stays in the first one where there is none of this id."""
+    with suppress(NotFoundError):
+        lock_project(connection, project)
+        _apply(connection, project, Change(recordings=(sequence,)))
 
 
 def _found(connection: Connection, project: str) -> Project | None:

@@ -15,7 +15,7 @@ from pointbrush.labels import plans, schema
 from pointbrush.labels.database import Database
 from pointbrush.labels.guards import busy_with
 from pointbrush.labels.project_tables import FIRST, tasks, version_recordings
-from pointbrush.labels.projects import put_in
+from pointbrush.labels.projects import REMOVED, put_in
 from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import LIVE, decode_points, encode_points
 from pointbrush.labels.statements import driver_of
@@ -64,10 +64,11 @@ class Recordings:
     ) -> None:
         """Register a recording with the number of points of each frame; a repetition has no effect.
 
-        A new recording is in ``project`` from the start, so that only its people see it.  Labels of
-        another import with this id are set aside under a separate id; labels of this import that
-        were set aside are restored.  ``identity`` None: the import is unknown.  Raises
-        ConflictError if it is registered with other points, NotFoundError for an unknown project.
+        A new recording is in ``project`` from the start, so that only its people see it, or in the
+        first project if there is none of this id.  Labels of another import with this id are set
+        aside under a separate id; labels of this import that were set aside are restored.
+        ``identity`` None: the import is unknown.  Raises ConflictError if it is registered with
+        other points.
         """
         plans.check_text("sequence", sequence, plans.ID_LIMIT)
         counts = [int(n) for n in points]
@@ -173,7 +174,8 @@ class Recordings:
             row = connection.execute(_of(number).with_for_update()).one_or_none()
             if row is None or row.deleted is None or row.deleted < oldest:
                 raise NotFoundError(f"sequence: expected a deleted recording, got {sequence!r}")
-            _change(connection, number, id=sequence, deleted=None, expired=None)
+            back = {"project": None} if row.project == REMOVED else {}
+            _change(connection, number, id=sequence, deleted=None, expired=None, **back)
             row = connection.execute(_of(number)).one()
             self._sessions.watcher.announce(driver_of(connection))
         return _known(row)

@@ -54,6 +54,33 @@ def replace_file(path: Path, data: bytes) -> None:
 
 
 @contextmanager
+def staged(folder: Path) -> Iterator[Path]:
+    """Give a path in ``folder`` that is not there yet; nothing stays of it after the block.
+
+    ``clean_temporary`` removes it once this process is gone.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    temporary = folder / f".tmp-{os.getpid()}-{uuid4().hex}"
+    try:
+        yield temporary
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def room_for(name: str) -> Iterator[None]:
+    """Raise UnavailableError when the disk has no room for ``name`` in the block."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno in _FULL and not isinstance(error, PointbrushError):
+            raise UnavailableError(
+                f"expected room on disk for {name}, got: {error.strerror}"
+            ) from error
+        raise
+
+
+@contextmanager
 def new_folder(target: Path) -> Iterator[Path]:
     """A temporary folder that becomes ``target`` when the block ends, and vanishes if it raises.
 
@@ -61,23 +88,13 @@ def new_folder(target: Path) -> Iterator[Path]:
     """
     if target.exists():
         raise ConflictError(f"expected a new sequence, but {target.name} exists")
-    target.parent.mkdir(parents=True, exist_ok=True)
-    temporary = target.parent / f".tmp-{os.getpid()}-{uuid4().hex}"
-    temporary.mkdir()
-    try:
+    with room_for(target.name), staged(target.parent) as temporary:
+        temporary.mkdir()
         yield temporary
         for folder in [*(p for p in temporary.rglob("*") if p.is_dir()), temporary]:
             sync_folder(folder)
         _rename(temporary, target)
         sync_folder(target.parent)
-    except OSError as error:
-        if error.errno in _FULL and not isinstance(error, PointbrushError):
-            raise UnavailableError(
-                f"expected room on disk for {target.name}, got: {error.strerror}"
-            ) from error
-        raise
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _rename(temporary: Path, target: Path) -> None:

@@ -57,6 +57,8 @@ class Manifest:
     ``palette``         palette of the labels' ids if the files are an export of pointbrush:
                         fields of ``formats.palette.SourceLabel``.
     ``scale``           metres for a unit of the source's coordinates.
+    ``project``         id of the project of the import, "" where it named none; the database tells
+                        the present one, and takes this for a recording that it does not know yet.
     ``files``           name of the file that each frame came from, ``places`` its place among the
                         frames of that file; both empty where an older import did not keep them.
     ``created``         date of the import, or of the copy.
@@ -93,6 +95,7 @@ class Manifest:
     dataset: str
     palette: list[dict[str, Any]]
     scale: float
+    project: str
 
     @property
     def identity(self) -> str:
@@ -183,6 +186,7 @@ def _of_any_version(content: dict[str, Any]) -> Manifest:
     content.setdefault("dataset", "")
     content.setdefault("palette", [])
     content.setdefault("scale", 1.0)
+    content.setdefault("project", "")
     content["lattice"] = _lattice(content.get("lattice"))
     return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
 
@@ -241,9 +245,12 @@ def rename_sequence(path: Path, sequence: str) -> Manifest:
     return manifest
 
 
-def note_meaning(path: Path, dataset: str, palette: list[dict[str, Any]], scale: float) -> None:
-    """Store the meaning of the source's label numbers in the recording in folder ``path``."""
-    manifest = replace(read_manifest(path), dataset=dataset, palette=palette, scale=scale)
+def note_import(path: Path, **noted: Any) -> None:
+    """Add facts of the import to the manifest of the recording in folder ``path``.
+
+    ``noted``: its fields ``dataset``, ``palette``, ``scale`` and ``project``.
+    """
+    manifest = replace(read_manifest(path), **noted)
     replace_file(path / FILE, encode_manifest(manifest))
 
 

@@ -158,4 +158,5 @@ def make_manifest(
         dataset="",
         palette=[],
         scale=1.0,
+        project="",
     )

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import fcntl
 import logging
-import shutil
 import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,10 @@ from pointbrush.permissions import make_private
 from pointbrush.sequences import Manifest, clean_temporary
 from pointbrush.sequences.bucket import Bucket
 from pointbrush.sequences.bucket_files import BucketFiles
+from pointbrush.sequences.files import staged
 from pointbrush.sequences.manifest import FILE, changed_manifest, encode_manifest, parse_manifest
 from pointbrush.sequences.recording_files import RecordingFiles
-from pointbrush.work.folder_store import Progress, make_folder, temporary_in
+from pointbrush.work.folder_store import Progress, make_folder
 
 log = logging.getLogger(__name__)
 
@@ -133,11 +133,9 @@ class BucketStore:
         """See SequenceStore."""
         return BucketTarget(self._bucket, sequence)
 
-    @contextmanager
-    def staging(self) -> Iterator[Path]:
+    def staging(self) -> AbstractContextManager[Path]:
         """See SequenceStore."""
-        with _staging(self._bucket) as made:
-            yield made
+        return _staging(self._bucket)
 
     def publish(self, made: Path, sequence: str) -> None:
         """See SequenceStore."""
@@ -245,12 +243,6 @@ class _Deleted:
         self._bucket.remove([place])
 
 
-@contextmanager
-def _staging(bucket: Bucket) -> Iterator[Path]:
-    """Yield the path of a new folder on the disk of the cache."""
-    made = temporary_in(bucket.cache.folder / STAGING)
-    made.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        yield made
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
+def _staging(bucket: Bucket) -> AbstractContextManager[Path]:
+    """Return the path of a new folder on the disk of the cache, as a context."""
+    return staged(bucket.cache.folder / STAGING)

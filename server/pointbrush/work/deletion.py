@@ -16,6 +16,7 @@ from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, Una
 from pointbrush.labels import Known, LabelStore
 from pointbrush.sequences import Manifest
 from pointbrush.work.events import Event, SequencesChanged
+from pointbrush.work.imports.submitting import register
 from pointbrush.work.library import Library
 
 log = logging.getLogger(__name__)
@@ -71,7 +72,7 @@ class Deletion:
             return
         manifest = self._library.look(sequence).manifest
         if manifest is not None:
-            self._store.recordings.register(sequence, manifest.points, manifest.identity)
+            register(self._store, manifest)
         elif sequence not in self._store.sequences():
             self._store.recordings.register(sequence, [], secrets.token_hex(8))
 

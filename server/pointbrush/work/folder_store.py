@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import uuid
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
 from pointbrush.permissions import writable
 from pointbrush.sequences import Manifest, clean_temporary, update_manifest
+from pointbrush.sequences.files import room_for, staged, sync_folder
 from pointbrush.sequences.frame_files import FRAMES
 from pointbrush.sequences.manifest import FILE
 from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
@@ -166,13 +166,16 @@ class FolderTarget:
 
     @contextmanager
     def building(self, progress: Progress) -> Iterator[Path]:  # noqa: ARG002 - it needs no upload
-        """See ImportTarget; the import itself creates the folder atomically.
+        """See ImportTarget; the folder gets its name once all files in it are complete.
 
         The id is reserved for this import, so an existing folder is from an earlier attempt of a
         process that died before it could report its end.
         """
-        shutil.rmtree(self.path, ignore_errors=True)
-        yield self.path
+        with room_for(self.path.name), staged(self.path.parent) as partial:
+            yield partial / self.path.name
+            shutil.rmtree(self.path, ignore_errors=True)
+            (partial / self.path.name).rename(self.path)
+            sync_folder(self.path.parent)
 
 
 class FolderStore:
@@ -242,14 +245,9 @@ class FolderStore:
         """See SequenceStore."""
         return FolderTarget(self.folder / sequence)
 
-    @contextmanager
-    def staging(self) -> Iterator[Path]:
+    def staging(self) -> AbstractContextManager[Path]:
         """See SequenceStore."""
-        partial = temporary_in(self.folder)
-        try:
-            yield partial
-        finally:
-            shutil.rmtree(partial, ignore_errors=True)
+        return staged(self.folder)
 
     def publish(self, made: Path, sequence: str) -> None:
         """See SequenceStore."""
@@ -273,11 +271,6 @@ def make_folder(name: str, folder: Path) -> None:
         raise BadInputError(
             f"{name}: expected a folder to write in, got {folder}: {error.strerror}"
         ) from None
-
-
-def temporary_in(folder: Path) -> Path:
-    """Return a new path in ``folder``, which ``clean_temporary`` removes after this process."""
-    return folder / f".tmp-{os.getpid()}-{uuid.uuid4().hex}"
 
 
 def _stamp_of(path: str) -> Version | None:

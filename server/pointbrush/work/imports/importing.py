@@ -20,7 +20,7 @@ from pointbrush.formats.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
-from pointbrush.sequences.manifest import note_meaning, update_manifest
+from pointbrush.sequences.manifest import note_import, update_manifest
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
@@ -37,7 +37,10 @@ SAMPLE = "sample recording"
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` as the new recording ``target``; ``source``: their name."""
+    """Picklable import of ``paths`` as the new recording ``target``; ``source``: their name.
+
+    ``project``: id of its project, "" for the first one.
+    """
 
     paths: tuple[Path, ...]
     target: ImportTarget
@@ -48,6 +51,7 @@ class ImportWork:
     max_points: int = 500_000_000
     roots: tuple[Path, ...] = ()
     source: str = ""
+    project: str = ""
 
     def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; send the readers' warnings as an item.
@@ -59,10 +63,16 @@ class ImportWork:
                 warnings.setdefault(warning)
         channel.item(list(warnings))
 
-    def _note_meaning(self, folder: Path, dataset: str) -> None:
-        """Store the meaning of label numbers and coordinates, as uploaded files are removed."""
+    def _note(self, folder: Path, dataset: str) -> None:
+        """Store the project, and the meaning of label numbers and coordinates in the files."""
         own = [asdict(label) for label in own_labels(self.paths)]
-        note_meaning(folder, "" if own else dataset, own, self.chosen.scale)
+        note_import(
+            folder,
+            dataset="" if own else dataset,
+            palette=own,
+            scale=self.chosen.scale,
+            project=self.project,
+        )
 
     def _import(self, channel: Channel, folder: Path) -> list[str]:
         about: dict[str, Any] = {
@@ -84,7 +94,7 @@ class ImportWork:
                 origins=[Origin(scan.name)],
                 **about,
             )
-            self._note_meaning(folder, "")
+            self._note(folder, "")
             return []
         with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
             fps, said = source.rate(self.fps)
@@ -100,7 +110,7 @@ class ImportWork:
                 origins=source.origins,
                 **about,
             )
-            self._note_meaning(folder, source.listings[0].dataset)
+            self._note(folder, source.listings[0].dataset)
         if said != ASSUMED:
             return []
         if manifest.frames == 1:

@@ -81,7 +81,7 @@ class Imports:
                 log.exception("the labels that came with %s cannot be read", manifest.id)
 
     def _complete(self, manifest: Manifest) -> None:
-        self._store.recordings.register(manifest.id, manifest.points, manifest.identity)
+        register(self._store, manifest)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
             self.source_labels.bring(self._library.recording(manifest.id))
 
@@ -163,7 +163,7 @@ class Imports:
         recording = self._library.recording(sequence)
         if "label" not in recording.manifest.fields:
             raise ConflictError(f"labels: expected some in the files of {sequence!r}, got none")
-        self._store.recordings.register(sequence, recording.manifest.points, recording.identity)
+        register(self._store, recording.manifest)
         try:
             self.source_labels.bring(recording, author)
         finally:
@@ -197,6 +197,7 @@ class Imports:
         if job.sequence is not None and self._library.has(job.sequence):
             recording = self._library.recording(job.sequence)
             if recording.manifest.source.startswith(source):
+                self.complete([recording.manifest])
                 return importing.result(recording, [], _given_up(job))
         if request is None:
             self._begin_sample(kept["frames"], kept["seed"], kept.get("kind", "juggling"), job)
@@ -218,10 +219,9 @@ class Imports:
             max_points=self._max_points,
             roots=request.roots,
             source=request.source,
+            project=request.project,
         )
-        return self._submit(
-            guard, work, self.source_labels.bring, job, request.upload, request.project
-        )
+        return self._submit(guard, work, self.source_labels.bring, job, request.upload)
 
     def _begin_sample(self, frames: int, seed: int, kind: str, job: Job) -> Job:
         guard = self._reserve(kind)
@@ -244,7 +244,6 @@ class Imports:
         label: Callable[[Recording], list[str]],
         job: Job,
         upload: Path | None = None,
-        project: str = FIRST,
     ) -> Job:
         sequence = guard.sequence
         warnings: list[str] = []
@@ -253,8 +252,7 @@ class Imports:
             if cancelled:
                 return {}
             recording = self._library.recording(sequence)
-            points, identity = recording.manifest.points, recording.identity
-            self._store.recordings.register(sequence, points, identity, project)
+            register(self._store, recording.manifest)
             try:
                 warnings.extend(label(recording))
             except Exception as error:
@@ -278,6 +276,13 @@ class Imports:
         except BaseException:
             self._store.guards.end(guard)
             raise
+
+
+def register(store: LabelStore, manifest: Manifest) -> None:
+    """Make a recording known, in the project of its import if it is a new one."""
+    store.recordings.register(
+        manifest.id, manifest.points, manifest.identity, manifest.project or FIRST
+    )
 
 
 def _given_up(job: Job) -> str | None:

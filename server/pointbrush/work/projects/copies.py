@@ -38,7 +38,7 @@ def make_copy(
         with library.store.staging() as partial:
             _linked(library.store.files(sequence), partial)
             manifest = rename_sequence(partial, guard.sequence)
-            store.recordings.register(guard.sequence, manifest.points, manifest.identity)
+            store.recordings.register(guard.sequence, manifest.points, manifest.identity, project)
             store.team.copies.mark(guard.sequence, sequence, project, kind)
             library.store.publish(partial, guard.sequence)
     finally:
