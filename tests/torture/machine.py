@@ -38,8 +38,7 @@ def preloaded(folder: Path) -> str:
         pytest.skip("no C compiler is installed (no cc)")
     library = folder / "preloaded.so"
     command = [compiler, "-shared", "-fPIC", "-O1", "-o", str(library), str(SOURCE), "-ldl"]
-    if subprocess.run(command, capture_output=True).returncode:
-        pytest.skip("the C compiler cannot build a library here")
+    subprocess.run(command, check=True)
     return str(library)
 
 

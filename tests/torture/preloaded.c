@@ -43,16 +43,6 @@ static ssize_t after_a_while(ssize_t written) {
     return written;
 }
 
-ssize_t pwrite(int file, const void *data, size_t size, off_t at) {
-    ssize_t (*real)(int, const void *, size_t, off_t) = dlsym(RTLD_NEXT, "pwrite");
-    return after_a_while(real(file, data, size, at));
-}
-
-ssize_t pwrite64(int file, const void *data, size_t size, off64_t at) {
-    ssize_t (*real)(int, const void *, size_t, off64_t) = dlsym(RTLD_NEXT, "pwrite64");
-    return after_a_while(real(file, data, size, at));
-}
-
 static long ahead(void) {
     const char *path = getenv("TORTURE_CLOCK");
     char text[32] = {0};
@@ -114,10 +104,10 @@ static int read_only_file(int file) {
 OPEN(open)
 OPEN(open64)
 
-#define WRITE(name, type, parameters, arguments)                  \
-    type name parameters {                                        \
-        type(*real) parameters = dlsym(RTLD_NEXT, #name);         \
-        return read_only_file(file) ? (type)-1 : real arguments; \
+#define WRITE(name, type, parameters, arguments)                                        \
+    type name parameters {                                                              \
+        type(*real) parameters = dlsym(RTLD_NEXT, #name);                               \
+        return read_only_file(file) ? (type)-1 : (type)after_a_while(real arguments); \
     }
 WRITE(write, ssize_t, (int file, const void *data, size_t size), (file, data, size))
 WRITE(pwrite, ssize_t, (int file, const void *data, size_t size, off_t at), (file, data, size, at))
