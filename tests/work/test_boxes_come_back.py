@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.formats import EXPORTS
-from pointbrush.formats.boxes.writing import ATTRIBUTES, OBJECTS
+from pointbrush.formats.boxes.writing import ATTRIBUTES, HEADING, OBJECTS
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label
 from pointbrush.oriented_box import BoxPose, OrientedBox
@@ -74,6 +74,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
                     frame: BoxPose(centre(label, frame), quaternion_of(turn(0.4)), attributes=TOLD)
                     for frame in range(3)
                 },
+                heading_known=label == CAR,
             )
             for label in (CAR, WALKER)
         ],
@@ -109,6 +110,7 @@ def test_whole_boxes_come_into_a_copy(workspace: Workspace, tmp_path: Path, kind
         assert label.category == ("vehicle" if mine == CAR else "pedestrian")
         assert np.allclose(box.size, SIZES[mine], atol=1e-3)
         assert box.provenance == "imported"
+        assert box.heading_known == (mine == CAR or HEADING in told)
         if not alone:
             assert (label.name, sorted(box.poses)) == (("van 1", "ann")[mine == WALKER], [0, 1, 2])
         for frame, pose in box.poses.items():

@@ -11,7 +11,7 @@ from typing import Any, BinaryIO, Literal
 
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats.boxes.writing import ATTRIBUTES as BOX_ATTRIBUTES
-from pointbrush.formats.boxes.writing import BOX_WRITERS, OBJECTS, PRECISE, TILT
+from pointbrush.formats.boxes.writing import BOX_WRITERS, HEADING, OBJECTS, PRECISE, TILT
 from pointbrush.formats.exports import boxes, labels_only, points, semantickitti, training
 from pointbrush.formats.exports.about import FrameLog, write_about, write_classes
 from pointbrush.formats.exports.labeled import (
@@ -185,7 +185,7 @@ _ALL = (
         "OpenPCDet, whole boxes",
         "points and whole boxes",
         partial(training.write_openpcdet, whole=True),
-        (_BOXES, *_NAMELESS, _FIELDS, _SINGLE, TILT, BOX_ATTRIBUTES, PRECISE),
+        (_BOXES, *_NAMELESS, _FIELDS, _SINGLE, TILT, BOX_ATTRIBUTES, HEADING, PRECISE),
         masks=False,
         purpose="training sets",
         numbering=TRAINING_NUMBERS,
