@@ -13,6 +13,7 @@ from functools import cache
 
 from cryptography.hazmat.primitives.asymmetric import rsa
 
+from tests.torture.listening import Listener
 from tests.web.oidc_provider import published
 
 KINDS = ("silent", "dripping", "flooding", "bombing", "redirecting", "broken")
@@ -34,7 +35,7 @@ def _bomb() -> bytes:
     return head.encode() + packed
 
 
-class HostilePeer:
+class HostilePeer(Listener):
     """Answers as the last part of an address says, one of KINDS; ``met`` counts these calls.
 
     As a provider of sign-ins it describes itself rightly while ``description`` is "", else as that
@@ -47,23 +48,14 @@ class HostilePeer:
         self.hanging = self.strayed = 0
         self._key = published(rsa.generate_private_key(65537, 2048), "one")
         self._lock = threading.Lock()
-        self._listener = socket.create_server(("127.0.0.1", 0), backlog=256)
-        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
-        threading.Thread(target=self._accept, daemon=True).start()
+        super().__init__()
 
-    def __enter__(self) -> HostilePeer:
-        return self
+    @property
+    def url(self) -> str:
+        """Its address."""
+        return f"http://127.0.0.1:{self.port}"
 
-    def __exit__(self, *_: object) -> None:
-        self._listener.close()
-
-    def _accept(self) -> None:
-        with suppress(OSError):
-            while True:
-                link, _ = self._listener.accept()
-                threading.Thread(target=self._answer, args=(link,), daemon=True).start()
-
-    def _answer(self, link: socket.socket) -> None:
+    def _handle(self, link: socket.socket) -> None:
         with link, suppress(OSError):
             request = b""
             while b"\r\n\r\n" not in request:
