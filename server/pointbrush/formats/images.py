@@ -1,4 +1,4 @@
-"""Images of files, whose decoders raise errors of many kinds for damaged ones."""
+"""Image files: all errors that decoders raise for a damaged file become BadInputError."""
 
 from __future__ import annotations
 

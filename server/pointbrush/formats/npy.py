@@ -120,7 +120,7 @@ def _load(path: Path) -> Any:
 
 
 def read_array(path: Path, options: ReadOptions) -> Array:
-    """Read an .npy file whose header claims no more than the file has.
+    """Read an .npy file after a check that it holds as many bytes as its header claims.
 
     Raises NotFoundError, BadInputError, TooLargeError.
     """

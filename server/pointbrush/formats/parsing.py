@@ -1,4 +1,4 @@
-"""JSON and XML of files from elsewhere, whose errors are ValueErrors, whatever they hold."""
+"""Parse JSON and XML of untrusted files: every file that cannot be parsed raises ValueError."""
 
 from __future__ import annotations
 
