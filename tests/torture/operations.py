@@ -247,7 +247,7 @@ EDITS = (
 
 def _import(api: httpx.Client) -> None:
     content = io.BytesIO()
-    np.savez(content, xyz=np.zeros((5_000, 3), np.float32), label=np.arange(5_000) % 3)
+    np.savez(content, xyz=np.ones((5_000, 3), np.float32), label=np.arange(5_000) % 3)
     files = [("files", (f"{i}.npz", content.getvalue())) for i in range(3)]
     waited(api, api.post("/sequences", files=files, data={"name": "new"}))
 
