@@ -81,6 +81,17 @@ def test_floor_wall_and_post_are_told_apart() -> None:
     assert np.corrcoef(high, SCENE[WALL, 2])[0, 1] > 0.95
 
 
+def test_heights_over_the_ground_hold_on_slopes() -> None:
+    floor = np.column_stack([RNG.uniform(0, 20, (40_000, 2)), np.zeros(40_000)])
+    shed = (np.abs(floor[:, :2] - 10) < 1).all(axis=1)
+    floor[shed, 2] = 1.5
+    floor[:, 2] += 0.4 * floor[:, 0]
+    made = described(floor)
+    over = made.features[made.of_point, feature_names(OPTIONS).index("over opened 25")]
+    assert np.median(over[shed]) == pytest.approx(1.5, abs=0.2)
+    assert np.quantile(over[~shed], 0.95) < 0.2
+
+
 def test_colour_and_returns_are_features_where_there_are_any() -> None:
     rgb = np.zeros((len(SCENE), 3), np.uint8)
     rgb[FLOOR, 0] = 255

@@ -11,9 +11,6 @@ from pointbrush.compiled import compiled
 Floats = NDArray[np.float64]
 NAMES = ("body cells", "body tall", "body top", "body bottom", "body long", "body wide")
 SUMS = 6
-SECTORS = 72
-"""Round a viewpoint, of which the emptiest has the seam between the least and greatest azimuth."""
-NEAREST_M = 1e-3
 
 
 def describe_bodies(center: Floats, height: Floats, floor: float, size: float) -> Floats:
@@ -28,27 +25,6 @@ def describe_bodies(center: Floats, height: Floats, floor: float, size: float) -
         cube, keys, slots = number_cubes(center[above], np.zeros(3), size)
         body = _connected(neighbours(keys, slots))
         out[above] = _numbers(center[above], height[above], body[cube], int(body.max()) + 1)
-    return out
-
-
-def seen_bodies(
-    center: Floats, standing: NDArray[np.bool_], eye: Floats, gap: float
-) -> NDArray[np.int32]:
-    """Number the body (C,) that each of the ``standing`` cells (C,) belongs to, -1 for the others.
-
-    Cells belong together that lie less than about ``gap`` radians apart as seen from the ``eye``
-    (3,), and as much, by their distance, behind each other: a sensor's rays part with it.
-    """
-    out = np.full(len(center), -1, np.int32)
-    if standing.any():
-        x, y, z = (center[standing] - eye).T
-        away = np.maximum(np.sqrt(x * x + y * y + z * z), NEAREST_M)
-        azimuth = np.arctan2(y, x) / (2 * np.pi) + 0.5
-        held = np.bincount((azimuth * SECTORS).astype(np.int64) % SECTORS, minlength=SECTORS)
-        azimuth = (azimuth - (held.argmin() + 0.5) / SECTORS) % 1.0 * (2 * np.pi)
-        seen = np.column_stack([azimuth, np.arcsin(np.clip(z / away, -1, 1)), np.log(away)])
-        cube, keys, slots = number_cubes(seen, seen.min(axis=0), gap)
-        out[standing] = _connected(neighbours(keys, slots))[cube]
     return out
 
 

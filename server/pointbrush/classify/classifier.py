@@ -36,7 +36,7 @@ from pointbrush.npz import Arrays, checked, read_npz
 
 Floats = NDArray[np.float64]
 
-VERSION = 1
+VERSION = 2
 """Of the file, and of what the features mean."""
 HELD_OUT = 4
 """One in so many places is held out to score."""
@@ -184,7 +184,7 @@ class Classifier:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)
         chance = smoothed(probabilities(self.trees, place.features), place.near)
-        return voted(chance, place.groups)
+        return voted(chance, place.piece)
 
 
 def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.classify.bodies import NAMES as BODY
-from pointbrush.classify.bodies import describe_bodies, seen_bodies
+from pointbrush.classify.bodies import describe_bodies
 from pointbrush.classify.grid import MOST, find, key_of, means, neighbours, number_cubes
+from pointbrush.classify.ground import heights_over_opened
 from pointbrush.classify.options import FeatureOptions
 from pointbrush.compiled import compiled, innermost
 from pointbrush.errors import BadInputError
@@ -65,7 +66,7 @@ class ExampleFrame:
 class Described:
     """C cells of a frame: ``of_point`` (N,) the cell of each point, ``center`` (C, 3) metres,
     ``near`` (C, 26) neighbouring cells or -1, ``features`` (C, F) as ``feature_names`` has them.
-    ``groups``: each (C,) numbers cells that likely are of one class, -1 for those in no group.
+    ``piece`` (C,) numbers the surface that each cell lies in, empty in scans of many views.
     """
 
     size: float
@@ -73,25 +74,26 @@ class Described:
     center: NDArray[np.float32]
     near: NDArray[np.int32]
     features: Features
-    groups: tuple[NDArray[np.int32], ...] = ()
+    piece: NDArray[np.int32]
 
     @property
     def nbytes(self) -> int:
         """Bytes of all arrays."""
-        every = (self.of_point, self.center, self.near, self.features, *self.groups)
+        every = (self.of_point, self.center, self.near, self.features, self.piece)
         return sum(each.nbytes for each in every)
 
 
 def feature_names(options: FeatureOptions) -> tuple[str, ...]:
     """Return the names of the columns, in their order."""
     names = [f"{name} {level}" for level in range(options.levels) for name in SHAPE]
-    for edge in options.columns:
-        names += [f"over lowest {edge}", f"under highest {edge}"]
+    names += [f"over opened {columns}" for columns in options.openings]
     names += [f"over ground {slope}" for slope in options.slopes]
     names += [f"{name} {edge}" for edge in options.bodies for name in BODY]
-    names += ["points", *COLOUR, "intensity", "first return", "last return"]
+    names += ["points", *COLOUR, "intensity", "first return", "last return", "single return"]
     for level in options.coloured:
-        names += [f"{name} {level}" for name in (*COLOUR, "spread", "intensity", "varied")]
+        names += [
+            f"{name} {level}" for name in (*COLOUR, "spread", "intensity", "varied", "single")
+        ]
     return tuple(names)
 
 
@@ -132,12 +134,12 @@ def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Descr
     count = len(keys)
     center = means(of_point, xyz - low, count)
     colour, strength, back = _tones(frame, of_point, count)
-    tones = np.hstack([colour, strength])
+    tones = np.hstack([colour, strength, back[:, 2:]])
     held = np.bincount(of_point, minlength=count)[:, None]
     heights, floor = _heights(center, size, options), options.floor * size
     columns = [
         *(_shapes(center, size, size * 2.0 ** (level + 1)) for level in range(options.levels)),
-        *(_columns(center, edge * size) for edge in options.columns),
+        *(height[:, None] for height in heights_over_opened(center, size, options)),
         *(height[:, None] for height in heights),
         *(describe_bodies(center, heights[-1], floor, edge * size) for edge in options.bodies),
         *(np.log(np.maximum(held, 1)), colour, strength, back),
@@ -145,14 +147,12 @@ def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Descr
     ]
     features = np.hstack(columns).astype(np.float32)
     near = neighbours(keys, slots)
-    groups: tuple[NDArray[np.int32], ...] = ()
+    piece = np.zeros(0, np.int32)
     if frame.sensor != "room" and count:
         # Scans of many views have none: there pieces are smaller than what neighbours vote on.
         eye = None if frame.viewpoint is None else frame.viewpoint - low
-        groups = (_pieces(frame, low, eye, of_point, count),)
-        if eye is not None:
-            groups += (seen_bodies(center, heights[-1] > floor, eye, options.body_gap),)
-    return Described(size, of_point, (center + low).astype(np.float32), near, features, groups)
+        piece = _pieces(frame, low, eye, of_point, count)
+    return Described(size, of_point, (center + low).astype(np.float32), near, features, piece)
 
 
 def _pieces(
@@ -179,7 +179,7 @@ def _heights(center: Floats, size: float, options: FeatureOptions) -> list[Float
 def _tones(
     frame: ExampleFrame, of_point: NDArray[np.int32], count: int
 ) -> tuple[Floats, Floats, Floats]:
-    """Mean colour (C, 3) as CIE Lab, intensity (C, 1), and shares of first and last returns."""
+    """Mean colour (C, 3) as CIE Lab, intensity (C, 1), and shares (C, 3) of kinds of returns."""
 
     def mean(values: NDArray[np.generic] | None, width: int) -> Floats:
         if values is None or not count:
@@ -190,8 +190,8 @@ def _tones(
     back = None
     if frame.returns is not None:
         number, many = np.asarray(frame.returns).T
-        back = np.stack([number <= 1, number >= many], axis=1)
-    return colour, mean(frame.intensity, 1), mean(back, 2)
+        back = np.stack([number <= 1, number >= many, many <= 1], axis=1)
+    return colour, mean(frame.intensity, 1), mean(back, 3)
 
 
 @compiled
@@ -263,37 +263,11 @@ def _shape(total: Floats, place: Floats, cell: float, size: float, out: Floats) 
 
 
 @compiled
-def _columns(center: Floats, edge: float) -> Floats:
-    """Height (C, 2) over the lowest and under the highest cell of the 3 x 3 columns round it."""
-    count = len(center)
-    plan = center.copy()
-    plan[:, 2] = 0.0
-    column, keys, slots = number_cubes(plan, np.zeros(3), edge)
-    low, high = np.full(len(keys), np.inf), np.full(len(keys), -np.inf)
-    for c in range(count):
-        low[column[c]] = min(low[column[c]], center[c, 2])
-        high[column[c]] = max(high[column[c]], center[c, 2])
-    lowest, highest = low.copy(), high.copy()
-    for q in range(len(keys)):
-        for dx in range(-1, 2):
-            for dy in range(-1, 2):
-                other = find(slots, keys, keys[q] + (dx << 42) + (dy << 21))
-                if other >= 0:
-                    lowest[q] = min(lowest[q], low[other])
-                    highest[q] = max(highest[q], high[other])
-    out = np.empty((count, 2))
-    for c in range(count):
-        out[c, 0] = center[c, 2] - lowest[column[c]]
-        out[c, 1] = highest[column[c]] - center[c, 2]
-    return out
-
-
-@compiled
 def _blurred(center: Floats, tones: Floats, size: float) -> Floats:
-    """Mean colour (C, 3), its spread, mean intensity and its spread round each cell."""
+    """Mean colour (C, 3), its spread, mean intensity, its spread and single returns near a cell."""
     count = len(center)
     cube, keys, slots = number_cubes(center, np.zeros(3), size)
-    sums = np.zeros((len(keys), 7))
+    sums = np.zeros((len(keys), 8))
     for c in range(count):
         row = sums[cube[c]]
         row[0] += 1
@@ -301,7 +275,8 @@ def _blurred(center: Floats, tones: Floats, size: float) -> Floats:
             row[1 + k] += tones[c, k]
         row[5] += tones[c, 0] ** 2
         row[6] += tones[c, 3] ** 2
-    out, total = np.zeros((count, 6)), np.zeros(7)
+        row[7] += tones[c, 4]
+    out, total = np.zeros((count, 7)), np.zeros(8)
     for c in range(count):
         _interpolate(center[c], size, keys, slots, sums, total)
         n = max(total[0], 1e-12)
@@ -310,4 +285,5 @@ def _blurred(center: Floats, tones: Floats, size: float) -> Floats:
         out[c, 3] = np.sqrt(max(total[5] / n - (total[1] / n) ** 2, 0.0))
         out[c, 4] = total[4] / n
         out[c, 5] = np.sqrt(max(total[6] / n - (total[4] / n) ** 2, 0.0))
+        out[c, 6] = total[7] / n
     return out

@@ -38,8 +38,10 @@ class FeatureOptions:
     """Radii, each twice the one before."""
     coloured: tuple[int, ...] = (1, 3)
     """Levels at which the mean colour and intensity are described."""
-    columns: tuple[int, ...] = (4, 16, 48)
-    """Edges of columns of the plan, cells."""
+    openings: tuple[int, ...] = (3, 9, 25)
+    """Edges of windows, columns, in which objects are taken off the ground."""
+    opening_column: float = 2.0
+    """Edge of such a column, cells."""
     slopes: tuple[float, ...] = (0.12, 0.5)
     """Metres up per metre along that the ground may rise at most, one surface for each."""
     ground_column: float = 8.0
@@ -48,8 +50,6 @@ class FeatureOptions:
     """Edges of cubes, cells, that belong to one body where they are neighbours."""
     floor: float = 2.5
     """Height over the ground from which on something stands on it, cells."""
-    body_gap: float = 0.015
-    """Angle, radians, within which what stands is one body as seen from the frame's viewpoint."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
@@ -63,7 +63,7 @@ class ForestOptions:
     trees: int = 32
     depth: int = 14
     """Questions from root to leaf at most."""
-    fewest: int = 3
+    fewest: int = 8
     """Examples in a leaf at least."""
     tried: int = 16
     """Features that are tried at a node, each at one random threshold."""

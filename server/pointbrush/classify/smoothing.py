@@ -1,8 +1,6 @@
-"""A vote of neighbouring cells, and of the groups they lie in, on their classes."""
+"""Votes of neighbouring cells, and of the cells of one surface, on their classes."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,52 +8,56 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 
 Chances = NDArray[np.float32]
-GROUP_SHARE = 0.8
-"""Weight of a group's mean beside a cell's own chance."""
+LIKENESS_POWER = 16.0
+"""Power of the likeness of two cells' chances, 0 to 1, that weighs a neighbour's vote."""
+PIECE_SHARE = 0.5
+"""Weight of the mean of a piece beside a cell's own chance."""
 
 
 @compiled
 def smoothed(chance: Chances, near: NDArray[np.int32]) -> Chances:
-    """Return the mean chance (C, K) of each cell and its neighbours ``near`` (C, 26)."""
-    out = chance.copy()
+    """Return the weighted mean chance (C, K) of each cell and its neighbours ``near`` (C, 26).
+
+    A neighbour weighs by the Bhattacharyya coefficient of both cells' chances: cells that are as
+    large as the objects, as in sparse aerial scans, have neighbours of other classes.
+    """
+    root, out = np.sqrt(chance), chance.copy()
+    kinds = chance.shape[1]
     for c in range(len(chance)):
         held = np.float32(1)
         for other in near[c]:
             if other >= 0:
-                held += np.float32(1)
-                for k in range(chance.shape[1]):
-                    out[c, k] += chance[other, k]
-        for k in range(chance.shape[1]):
+                likeness = np.float32(0)
+                for k in range(kinds):
+                    likeness += root[c, k] * root[other, k]
+                weight = np.float32(likeness**LIKENESS_POWER)
+                held += weight
+                for k in range(kinds):
+                    out[c, k] += weight * chance[other, k]
+        for k in range(kinds):
             out[c, k] /= held
     return out
 
 
-def voted(chance: Chances, groups: Iterable[NDArray[np.int32]]) -> Chances:
-    """Move the chance (C, K) of each cell towards the mean of its group, by one after the other.
-
-    ``groups``: each (C,) numbers cells from 0, -1 for those in no group.
-    """
-    for group in groups:
-        chance = _voted(chance, group)
-    return chance
-
-
 @compiled
-def _voted(chance: Chances, group: NDArray[np.int32]) -> Chances:
+def voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
+    """Move the chance (C, K) of each cell towards the mean of its ``piece`` (C,).
+
+    Pieces count from 0; without pieces, ``piece`` is empty.
+    """
+    if not len(piece):
+        return chance
     kinds = chance.shape[1]
-    total = np.zeros((group.max() + 1, kinds + 1))
+    total = np.zeros((piece.max() + 1, kinds + 1))
     for c in range(len(chance)):
-        if group[c] >= 0:
-            total[group[c], -1] += 1
-            for k in range(kinds):
-                total[group[c], k] += chance[c, k]
+        total[piece[c], -1] += 1
+        for k in range(kinds):
+            total[piece[c], k] += chance[c, k]
     out = chance.copy()
     for c in range(len(chance)):
-        if group[c] >= 0:
-            sums = total[group[c]]
-            for k in range(kinds):
-                mean = sums[k] / sums[-1]
-                out[c, k] = (1 - GROUP_SHARE) * chance[c, k] + GROUP_SHARE * mean
+        sums = total[piece[c]]
+        for k in range(kinds):
+            out[c, k] = (1 - PIECE_SHARE) * chance[c, k] + PIECE_SHARE * sums[k] / sums[-1]
     return out
 
 

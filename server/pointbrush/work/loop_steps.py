@@ -110,7 +110,7 @@ def label_by_example() -> None:
     chosen = np.arange(len(place.center), step=20)
     classes, spread = chosen % 2, np.ones(place.features.shape[1])
     trees = learn(place.features[chosen], classes, 2, spread, ForestOptions(trees=2))
-    voted(smoothed(probabilities(trees, place.features), place.near), place.groups)
+    voted(smoothed(probabilities(trees, place.features), place.near), place.piece)
 
 
 def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:

@@ -54,7 +54,7 @@ def agreed(
     same = np.flatnonzero(np.isfinite(away))
     out = chance.copy()
     out[same] = (out[same] + said[np.asarray(near)[same]]) / 2
-    return voted(out, place.groups)
+    return voted(out, place.piece)
 
 
 def _world_of(recording: Recording, frame: int) -> Floats:
