@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from tracking_recordings import KINDS, Frame, generated
-from tracking_score import LEAST
+from tracking_frames import LEAST, Frame
+from tracking_recordings import KINDS, generated
 
 from pointbrush.tracking import METHODS, FrameKnowledge, Seed, TrackOptions
 from pointbrush.tracking.interface import PAINTED

@@ -33,8 +33,9 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import argparse
 from collections.abc import Callable, Iterator
 
+from tracking_frames import Frame, drawn
 from tracking_peers import PEERS, Peer, peer, stay
-from tracking_recordings import KINDS, REAL, SCENES, SEEN, Frame, drawn, recorded
+from tracking_recordings import KINDS, REAL, SCENES, SEEN, recorded
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS

@@ -15,8 +15,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from tracking_recordings import Frame, generated
-from tracking_score import GOOD, LEAST, SURVIVING
+from tracking_frames import LEAST, Frame
+from tracking_recordings import generated
+from tracking_score import GOOD, SURVIVING
 
 from pointbrush.tracking import Seed, TrackOptions
 from pointbrush.tracking.icp import PaperTracker

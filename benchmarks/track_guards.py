@@ -12,8 +12,8 @@ object-frames (IoU under 0.5) that are flagged (confidence up to 0.9) and unflag
 
 Results are appended to FILE, one line of JSON per draw, and a draw found there is not run again: an
 interrupted run continues.  Without ``--commit`` the working tree is measured, under the name
-of its commit and a digest of its changes.  A kind may also be the path of a recording (.npz, as in
-shared/recordings), which has no seeds: it is run once for each draw.
+of its commit and a digest of its changes.  A kind may also be a lidar scene of shared/realdata or
+the path of a recording (.npz, as in shared/recordings), which have no seeds: once for each draw.
 """
 
 # The thread limits have to be set before numpy is imported.
@@ -41,7 +41,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from tracking_recordings import Frame, drawn, recorded
+from tracking_frames import Frame, drawn, stored
 from tracking_score import GOOD, SURVIVING, Score
 
 from pointbrush.tracking import METHODS
@@ -49,9 +49,13 @@ from pointbrush.tracking import METHODS
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / ".guards"
 """Results, and the code of other commits with their compiled loops."""
+RECORDINGS = FOLDER / "recordings"
+"""Recordings that were made, some 60 MB each."""
 KINDS = "3-pins,6-pins,table-top,walking,crowd-5hz,boxes,street,street-16-beams"
 SEEDS = "71,72,73,74,75,76"
 """Seeds 74 to 76 are for checks only: no rule and no number is chosen by them."""
+ONCE = ("dgp_", "semantickitti_")
+"""How the names of recorded lidar begin, which has no seeds."""
 SURE = 0.9
 """Confidence over which a result counts as unflagged."""
 
@@ -81,7 +85,7 @@ def measure(
     commit: str, kind: str, seed: int, draws: Iterable[int], frames: int, results: Path
 ) -> str:
     """Track the missing draws of a recording, append their results and return a message."""
-    recording = recorded(kind, seed, frames)
+    recording = _recording(kind, seed, frames)
     digest = _digest(recording)
     for number in draws:
         score = Score()
@@ -92,6 +96,18 @@ def measure(
         with results.open("a") as lines:
             lines.write(json.dumps(asdict(draw)) + "\n")
     return f"{kind} {seed}"
+
+
+def _recording(kind: str, seed: int, frames: int) -> list[Frame]:
+    """Read a recording; the working tree makes it first, whatever commit is measured."""
+    path = Path(kind) if kind.endswith(".npz") else RECORDINGS / f"{kind}-{seed}-{frames}.npz"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        script = Path(__file__).with_name("tracking_recordings.py")
+        made = (sys.executable, script, kind, str(seed), str(frames), path)
+        packages = os.environ | {"PYTHONPATH": str(ROOT / "server")}
+        subprocess.run(made, check=True, env=packages)
+    return stored(path, frames)
 
 
 def _digest(recording: list[Frame]) -> str:
@@ -190,7 +206,8 @@ def _missing(
     given: argparse.Namespace, done: set[tuple[str, str, int, int, int]]
 ) -> Iterator[tuple[str, str, int, list[int], int, Path]]:
     for kind in given.kinds:
-        for seed in given.seeds[:1] if kind.endswith(".npz") else given.seeds:
+        once = kind.endswith(".npz") or kind.startswith(ONCE)
+        for seed in given.seeds[:1] if once else given.seeds:
             keys = {n: (given.name, kind, seed, n, given.frames) for n in range(given.draws)}
             draws = [number for number, key in keys.items() if key not in done]
             if draws:

@@ -1,32 +1,34 @@
 """Recordings that tracking is measured on: generated ones, and real lidar beside the checkout.
 
-Crowds are written to files and come in by the command line, as a person's recordings do.
+Crowds are written to files and come in by the command line, as a person's recordings do.  As a
+script it writes a recording, for runs of other commits: KIND SEED FRAMES FILE.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from entering_people import entering
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
+from tracking_frames import LEAST, Frame, store, stored, with_trees
 
 from pointbrush.cli import main
 from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
 from pointbrush.samples.driving import drive
 from pointbrush.sequences import StoredFrame, open_sequence
-from pointbrush.tracking.interface import PixelLattice
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "realdata"
-SCENES = ("dgp_scene_01", "dgp_scene_02")
+DGP = ("dgp_scene_01", "dgp_scene_02")
+KITTI = ("semantickitti_02", "semantickitti_03", "semantickitti_04", "semantickitti_05")
+SCENES = (*DGP, *KITTI)
+"""Recorded lidar.  For tuning: semantickitti_05 and dgp_scene_01; the others are for checks."""
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "table-top": ("tabletop", {}),
     "3-pins": ("juggling", {"people": 1, "pins": 3, "label_people": False}),
@@ -44,24 +46,6 @@ FEW_BEAMS = 16
 
 CROWDS = {"crowd-5hz": 5.0, "crowd-15hz": 15.0}
 """Kind of crowded room -> frames a second; three, four or five people, by the seed."""
-
-
-@dataclass(eq=False)
-class Frame:
-    """A ``TrackFrame`` in memory, with the true label of each point (N,) uint16."""
-
-    xyz: NDArray[np.float32]
-    rgb: NDArray[np.uint8] | None
-    truth: NDArray[np.uint16]
-    viewpoint: NDArray[np.float64] | None = None
-    pose: NDArray[np.float64] | None = None
-    intensity: NDArray[np.float32] | None = None
-    lattice: PixelLattice | None = None
-
-    @cached_property
-    def kdtree(self) -> cKDTree:
-        """As the frame store builds it."""
-        return cKDTree(self.xyz, balanced_tree=False)
 
 
 TILT = Rotation.from_euler("xyz", [25, 40, 10], degrees=True).as_matrix()
@@ -97,15 +81,8 @@ def recorded(kind: str, seed: int, count: int, every: int = 1, seen: str = "came
         return crowd(kind, seed, count)
     if kind == "entering":
         made = entering(seed, count)
-        return _with_trees([_in_memory(made.frame(i), made.truth[i]) for i in range(count)])
+        return with_trees([_in_memory(made.frame(i), made.truth[i]) for i in range(count)])
     return generated(kind, seed, count, every, seen)
-
-
-def stored(path: Path, count: int) -> list[Frame]:
-    """The first ``count`` frames of a recording in one file, as in shared/recordings."""
-    d = np.load(path)
-    parts = ("xyz", "rgb", "truth", "viewpoint")
-    return _with_trees([Frame(*(d[f"{i}_{part}"] for part in parts)) for i in range(count)])
 
 
 def generated(
@@ -116,7 +93,7 @@ def generated(
     recording = generate(name, seed, count * every, **options)
     some = range(0, count * every, every)
     rng = np.random.default_rng(seed)
-    return _with_trees(
+    return with_trees(
         [_seen(_in_memory(recording.frame(i), recording.truth[i]), seen, rng) for i in some]
     )
 
@@ -128,7 +105,7 @@ def _in_memory(frame: PointFrame, truth: NDArray[np.uint16]) -> Frame:
 def street(kind: str, seed: int, count: int) -> list[Frame]:
     """``count`` frames of a kind of STREETS, 10 a second."""
     if kind == "drive":
-        return _with_trees(
+        return with_trees(
             [
                 Frame(
                     made.frame.xyz.astype(np.float32),
@@ -146,7 +123,7 @@ def street(kind: str, seed: int, count: int) -> list[Frame]:
 
     beams = {"beams": FEW_BEAMS} if kind == "street-16-beams" else {}
     posed = kind != "street-no-poses"
-    return _with_trees(
+    return with_trees(
         [
             Frame(f.xyz, None, f.truth, f.viewpoint, f.pose if posed else None)
             for f in scenes.street(seed, count, **beams)
@@ -163,7 +140,7 @@ def crowd(kind: str, seed: int, count: int) -> list[Frame]:
         if main(["import", str(files), "--name", kind, "--workspace", str(workspace)]):
             raise RuntimeError(f"{kind} {seed} cannot be imported")
         stored = open_sequence(next((workspace / "sequences").iterdir()))
-        return _with_trees([_held(frame, recording.truth[i]) for i, frame in enumerate(stored)])
+        return with_trees([_held(frame, recording.truth[i]) for i, frame in enumerate(stored)])
 
 
 def _held(frame: StoredFrame, truth: NDArray[np.uint16]) -> Frame:
@@ -178,26 +155,45 @@ def _held(frame: StoredFrame, truth: NDArray[np.uint16]) -> Frame:
     )
 
 
-def drawn(frames: list[Frame], number: int) -> list[Frame]:
-    """The same frames in draw ``number``: from 1 on each position is off by a micrometre."""
-    if number == 0:
-        return frames
-    rng = np.random.default_rng(number)
-    noise = (rng.normal(0, 1e-6, frame.xyz.shape).astype(np.float32) for frame in frames)
-    return _with_trees([replace(f, xyz=f.xyz + off) for f, off in zip(frames, noise, strict=True)])
-
-
 def real(scene: str) -> list[Frame]:
     """A lidar scene with ego motion; its persistent object numbers are the truth."""
+    if scene in KITTI:
+        return with_trees(_semantickitti(REAL / scene))
     frames = []
     for path in sorted((REAL / scene / "npz").glob("*.npz")):
         d = np.load(path)
         truth = d["instance"].astype(np.uint16)
         frames.append(Frame(d["xyz"], d["rgb"], truth, None, d["pose"]))
-    return _with_trees(frames)
+    return with_trees(frames)
 
 
-def _with_trees(frames: list[Frame]) -> list[Frame]:
-    for frame in frames:
-        _ = frame.kdtree  # of the frame, which other tools share: not part of the tracker's cost
+def _semantickitti(folder: Path) -> list[Frame]:
+    """The scans of a folder from the first one on in which an object is visible.
+
+    Without poses where the place of the camera, which they are of, is not given.
+    """
+    calibration = (folder / "calib.txt").read_text().splitlines()
+    place = [_matrix(line[3:]) for line in calibration if line.startswith("Tr:")]
+    poses = [_matrix(line) for line in (folder / "poses.txt").read_text().splitlines()]
+    frames: list[Frame] = []
+    objects: dict[int, int] = {}
+    scans = sorted((folder / "velodyne").glob("*.bin"))
+    for path, T_start_camera in zip(scans, poses, strict=True):
+        xyz = np.fromfile(path, np.float32).reshape(-1, 4)[:, :3].copy()
+        packed = np.fromfile(folder / "labels" / f"{path.stem}.label", np.uint32)
+        truth = np.zeros(len(xyz), np.uint16)
+        for each in np.unique(packed[packed >> 16 > 0]).tolist():
+            truth[packed == each] = objects.setdefault(each, len(objects) + 1)
+        if frames or np.bincount(truth)[1:].max(initial=0) >= LEAST:
+            pose = np.linalg.inv(place[0]) @ T_start_camera @ place[0] if place else None
+            frames.append(Frame(xyz, None, truth, np.zeros(3), pose))
     return frames
+
+
+def _matrix(line: str) -> NDArray[np.float64]:
+    """(4, 4) the transform whose upper 12 numbers are in a line."""
+    return np.vstack([np.array(line.split(), np.float64).reshape(3, 4), [0, 0, 0, 1]])
+
+
+if __name__ == "__main__":
+    store(recorded(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])), Path(sys.argv[4]))

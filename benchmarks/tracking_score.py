@@ -7,13 +7,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from tracking_recordings import Frame
+from tracking_frames import LEAST, Frame
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
 from pointbrush.tracking.interface import Method
 
-LEAST = 40
-"""Points in the truth from which an object counts as visible."""
 SURVIVING, GOOD = 0.5, 0.8
 """IoU under which an object is lost, and over which it is good."""
 
