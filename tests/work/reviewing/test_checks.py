@@ -156,6 +156,25 @@ def test_consecutive_frames_are_one_finding() -> None:
     ]
 
 
+def test_a_label_that_comes_back_in_doubt_is_asked_about_once() -> None:
+    def asked(*frames: tuple[str, float]) -> list[tuple[int | None, int | None]]:
+        tracks = [
+            {"frame": n, "label": 1, "state": state, "confidence": sure}
+            for n, (state, sure) in enumerate(frames)
+        ]
+        found = list(counting.returns([PIN], tracks, OPTIONS))
+        assert all("still “pin”?" in each.text for each in found)
+        return [(each.first, each.last) for each in found]
+
+    sure, doubtful, hidden, painted = (
+        ("tracked", 0.9), ("tracked", 0.4), ("occluded", 0.0), ("painted", 1.0),
+    )  # fmt: skip
+    assert asked(painted, sure, hidden, *[doubtful] * 6, sure, painted, doubtful) == [(3, 9)]
+    assert asked(painted, hidden, doubtful, ("lost", 0.0), doubtful) == [(2, 2), (4, 4)]
+    assert asked(painted, hidden, doubtful, doubtful, sure, sure) == [], "found for sure again"
+    assert asked(painted, doubtful, doubtful, doubtful, doubtful) == [], "never out of sight"
+
+
 @pytest.mark.parametrize("name", [field.name for field in fields(CheckOptions)])
 def test_options_are_checked(name: str) -> None:
     with pytest.raises(ValueError, match=name):

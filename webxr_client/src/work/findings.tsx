@@ -5,7 +5,17 @@ import { Button } from '../panels/parts/controls';
 import { canReview } from '../store/state';
 import { type Finding, framesOf } from './model';
 import { Entry } from './parts';
-import { checking, checks, current, draft, goToFinding, settle, step, waiting } from './review';
+import {
+  checking,
+  checks,
+  current,
+  deny,
+  draft,
+  goToFinding,
+  settle,
+  step,
+  waiting,
+} from './review';
 import { openWork } from './store';
 
 const ICONS: Readonly<Partial<Record<Finding['kind'], IconName>>> = {
@@ -16,6 +26,7 @@ const ICONS: Readonly<Partial<Record<Finding['kind'], IconName>>> = {
   jump: 'track',
   unlike: 'history',
   predicted: 'object',
+  returned: 'eye',
 };
 
 export function Findings() {
@@ -76,7 +87,8 @@ function Row({ finding }: { finding: Finding }) {
 }
 
 function Actions({ finding }: { finding: Finding }) {
-  const { text, place, first, last } = finding;
+  const { kind, text, place, first, last } = finding;
+  const asks = kind === 'returned';
   const note = (): void => {
     draft.value = { note: text, place, first, last };
     openWork('frames');
@@ -85,13 +97,23 @@ function Actions({ finding }: { finding: Finding }) {
     <div class="entry-actions line wrap">
       <Button
         icon="check"
-        label="Confirm"
+        label={asks ? 'Yes' : 'Confirm'}
         tip="Confirm the labels as correct"
         kind="outlined"
         small
         disabled={!canReview.value}
         onClick={() => void settle(finding)}
       />
+      {asks && (
+        <Button
+          icon="close"
+          label="No"
+          tip={`Clear the tracked label in ${framesOf(finding)}`}
+          kind="outlined"
+          small
+          onClick={() => void deny(finding)}
+        />
+      )}
       {first !== null && <Button label="Write a note…" kind="outlined" small onClick={note} />}
     </div>
   );

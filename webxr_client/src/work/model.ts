@@ -36,6 +36,7 @@ export interface Finding {
     | 'jump'
     | 'unlike'
     | 'predicted'
+    | 'returned'
     | 'box_jump'
     | 'box_size'
     | 'box_overlap'

@@ -1,10 +1,10 @@
-import { beforeEach, expect, test } from 'vitest';
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { labelActions } from '../engine/labels';
-import type { Label } from '../protocol/messages';
+import type { Label, SequenceInfo } from '../protocol/messages';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import type { Finding } from './model';
-import { goToFinding } from './review';
+import { checks, current, deny, goToFinding } from './review';
 
 const finding = (...labels: number[]) => ({ id: labels.join(), labels, first: null }) as unknown as Finding; // prettier-ignore
 
@@ -13,6 +13,23 @@ beforeEach(() => {
   state.palette.value = [1, 2, 3].map((id) => ({ id, name: `pin ${id}` }) as Label);
   state.activeLabel.value = 1;
   state.notices.value = [];
+});
+
+afterEach(() => vi.unstubAllGlobals());
+
+test('the answer that it is another object clears the label in the frames of the finding', async () => {
+  const sent: unknown[] = [];
+  vi.stubGlobal('document', { baseURI: 'http://host/' });
+  vi.stubGlobal('fetch', (url: string, { method, body }: RequestInit) => {
+    sent.push([method, url.replace('http://host/api/v1/', ''), JSON.parse(body as string)]);
+    return Promise.resolve(Response.json({}));
+  });
+  state.sequence.value = { id: 'room', frames: 99 } as SequenceInfo;
+  const [asks, other] = [{ ...finding(2), first: 12, last: 40 }, finding(3)];
+  checks.value = { findings: [asks, other], unchecked: [] };
+  await deny(asks);
+  expect(sent).toEqual([['POST', 'sequences/room/clear', { labels: [2], start: 12, stop: 40 }]]);
+  expect(current.value).toBe(other.id);
 });
 
 test('a finding about several labels, or none, leaves the label of the next stroke', () => {

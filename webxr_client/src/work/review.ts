@@ -135,9 +135,21 @@ export async function stepFindings(direction: 1 | -1): Promise<void> {
 }
 
 /** Confirm the labels of a finding as they are, and go to the next. */
-export async function settle(finding: Finding): Promise<void> {
+export const settle = (finding: Finding): Promise<void> =>
+  answer(finding, () => put(...acceptances(finding)));
+
+/** Clear the tracked labels of a finding in its frames, and go to the next. */
+export const deny = (finding: Finding): Promise<void> =>
+  answer(finding, () =>
+    succeeds('The label was not cleared', async () => {
+      const { labels, first: start, last: stop } = finding;
+      await api('POST', path('clear'), { labels, start, stop });
+    }),
+  );
+
+async function answer(finding: Finding, send: () => Promise<boolean>): Promise<void> {
   const next = stepFrom(waiting.peek(), finding.id, state.frame.peek(), 1);
-  if (!(await put(...acceptances(finding)))) return;
+  if (!(await send())) return;
   const found = checks.peek();
   if (found) {
     const settled = (one: Finding): Finding =>

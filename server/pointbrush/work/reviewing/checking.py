@@ -53,14 +53,14 @@ class Checker:
         sequence, count = recording.manifest.id, len(recording)
         palette = self._store.palette(sequence)
         counts = _counts(self._store, sequence, palette, count)
+        tracks = self._store.tracks(sequence)
         sketches, unsure, unchecked = self._sketches(recording, counts, frames)
         found = [
             *counting.same_names(palette, counts),
             *counting.no_category(palette, counts, self._boxes.labels(sequence)),
             *counting.few_points(palette, counts, self._options),
-            *counting.unlike_neighbours(
-                palette, counts, count, _excused(self._store.tracks(sequence)), self._options
-            ),
+            *counting.unlike_neighbours(palette, counts, count, _excused(tracks), self._options),
+            *counting.returns(palette, tracks, self._options),
             *counting.unsure_points(palette, unsure),
             *positions.stray_points(palette, sketches),
             *positions.jumps(palette, sketches, self._options),

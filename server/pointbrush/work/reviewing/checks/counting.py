@@ -1,18 +1,23 @@
-"""Checks that need only the palette and the counts."""
+"""Checks that need only the palette, the counts and the tracks."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import count
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import Label
+from pointbrush.work.doubts import is_doubtful
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
 
 NAMED = 3
 """Limit of labels named in a finding."""
+UNSEEN = ("occluded", "lost")
+"""States of a track that was not found in a frame."""
 Counts = NDArray[np.int64]
 """Number of points of a label in each frame (F,)."""
 
@@ -112,6 +117,30 @@ def unsure_points(
             if label in names:
                 text = f"“{names[label]}”: {few:,} of {every:,} predicted points are unsure"
                 yield Finding("predicted", text, (label,), frame, frame)
+
+
+def returns(
+    palette: Sequence[Label], tracks: Sequence[Mapping[str, Any]], options: CheckOptions
+) -> Iterator[Finding]:
+    """Yield labels that a track found again after it was out of sight, with lasting doubt.
+
+    Each up to where it is out of sight once more, or was painted.
+    """
+    names = {label.id: label.name for label in palette}
+    by_label: dict[int, dict[int, Mapping[str, Any]]] = {}
+    for track in tracks:
+        by_label.setdefault(int(track["label"]), {})[int(track["frame"])] = track
+    for label in by_label.keys() & names.keys():
+        mine = by_label[label]
+        states = {frame: track["state"] for frame, track in mine.items()}
+        for first in mine:
+            if states.get(first - 1) not in UNSEEN or states[first] != "tracked":
+                continue
+            last = next(n for n in count(first) if states.get(n + 1) != "tracked")
+            start = range(first, min(first + options.returned, last + 1))
+            if all(is_doubtful(mine[frame]) for frame in start):
+                text = f"Is this still “{names[label]}”? It was out of sight before."
+                yield Finding("returned", text, (label,), first, last)
 
 
 def _odd_counts(

@@ -7,15 +7,16 @@ from dataclasses import dataclass, fields, replace
 from typing import Literal, get_args
 
 Kind = Literal[
-    "name", "category", "few", "stray", "jump", "unlike", "predicted",
+    "name", "category", "few", "stray", "jump", "unlike", "predicted", "returned",
     "box_jump", "box_size", "box_overlap", "box_ground", "box_empty", "box_outside",
     "box_heading",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = get_args(Kind)
 """Two labels of one name; labels without a category; a label of few points; points far from their
 object; a track that jumps; a frame unlike its neighbours; points that a classifier labelled without
-being sure.  A box that jumps or turns about; boxes of one label and two sizes; that share volume;
-off the ground; without points; points of a label outside its box; a box with an unknown front."""
+being sure; a label that a track found again, in doubt, after it was out of sight.  A box that jumps
+or turns about; boxes of one label and two sizes; that share volume; off the ground; without points;
+points of a label outside its box; a box with an unknown front."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +78,7 @@ class CheckOptions:
     ``sizable``       points below which a label's count is not checked.
     ``unsure``        minimum share of a label's predicted points in a frame with a confidence,
                       0 to 255, below ``least_sure``.
+    ``returned``      minimum number of doubtful frames after a label is found again.
     ``gap``           longest run of frames without a label between frames that have it.
     ``box_turn``      implausible rotation between two frames, degrees.
     ``box_size``      allowed difference of a side between boxes of one label, as a share.
@@ -100,6 +102,7 @@ class CheckOptions:
     sizable: int = 30
     unsure: float = 0.2
     least_sure: int = 100
+    returned: int = 4
     gap: int = 3
     box_turn: float = 60.0
     box_size: float = 0.1
