@@ -11,6 +11,7 @@ import pytest
 import scenes
 from runs import follow
 from scipy.ndimage import minimum_filter
+from views import shot
 
 from pointbrush.tracking import FrameResult, Seed, TrackOptions
 from pointbrush.tracking.compute.graph import Paths, agreed, paths_into
@@ -286,7 +287,7 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Per
         options=OPTIONS,
         frame=SimpleNamespace(rgb=True if coloured else None),
         xyz=middle[cell],
-        cells=SimpleNamespace(cell=np.full(len(cell), 50)),
+        cells=SimpleNamespace(cell=np.append(np.full(len(cell), 50), [0, 99])),
         camera=SimpleNamespace(shape=(1, 100)),
         colour=lambda points: colour[cell[points]],
         depth=np.full(1, np.inf),
@@ -488,6 +489,15 @@ def test_scraps_are_not_where_somebody_was_well_seen() -> None:
     assert person.well == 4
     come_back(observation, [person], 30, now=10)
     assert np.all(observation.owner[30:] == 1)
+
+
+@pytest.mark.parametrize(("right", "cut"), [(-1.1, True), (0.0, False), (1.1, True)])
+def test_who_touches_a_side_of_what_was_measured_may_leave_there(right: float, cut: bool) -> None:
+    at, size = np.array([right, 1.2, 1.6]), np.array([0.4, 0.5, 0.1])
+    view = shot(scenes.Part(1, (40, 90, 200), at, size, rot=np.eye(3)))
+    cells = Foreground.of(view, np.flatnonzero(view.frame.truth == 1), 0.1)
+    observation = PersonObservation(view, cells, np.eye(3)[:, [0, 2]], UP, np.empty(0, np.int64))
+    assert observation.at_side(np.arange(len(cells.count))) == cut
 
 
 @pytest.mark.parametrize(("tops", "back"), [([1.7, 1.71], False), ([1.7, 1.71, 1.69], True)])

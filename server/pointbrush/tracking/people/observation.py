@@ -103,13 +103,25 @@ class PersonObservation:
         return float(touches[cells].mean())
 
     def at_side(self, cells: I64) -> bool:
-        """Test whether the ``cells`` (C,) touch the left or the right edge of the picture."""
-        options, width = self.options.arrivals, self.view.camera.shape[1]
+        """Test whether the ``cells`` (C,) touch the left or the right edge of what was measured.
+
+        The grid of pixels has a margin about that.
+        """
+        options, (column, first, last) = self.options.arrivals, self._columns
         own = np.zeros(len(self.owner), np.bool_)
         own[cells] = True
-        column = self.view.cells.cell[self.cells.indices[own[self.cells.cell]]] % width
-        beside = np.minimum(column, width - 1 - column) < options.side_px
+        column = column[self.cells.indices[own[self.cells.cell]]]
+        beside = np.minimum(column - first, last - column) < options.side_px
         return bool(np.count_nonzero(beside) >= options.side_points)
+
+    @cached_property
+    def _columns(self) -> tuple[I64, int, int]:
+        """Column (N,) of each point of the frame in the picture; the first and last of them all."""
+        down, across = self.view.camera.shape
+        cell = self.view.cells.cell.astype(np.int64)
+        column = cell % across
+        seen = column[cell < down * across]
+        return column, int(seen.min(initial=across)), int(seen.max(initial=0))
 
     def spread(self, cells: I64) -> float:
         """Standard deviation (m) of the ``cells`` (C,) along the ground, both ways together."""
