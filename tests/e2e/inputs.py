@@ -57,11 +57,21 @@ INPUTS = """
 
 EYES = [0.0, 1.6, 0.0]
 HELD = [0.2, 1.2, -0.3]
+MOMENTARY = ("transient-pointer", "screen")
+"""Modes of sources that come with a press, already pressed, and go with its end."""
 
 
 def inject(headset: Headset) -> None:
     """Let the page's session take sources from ``Input``."""
     headset.ask(f"(() => {{ {INPUTS} }})()")
+
+
+def eyes_alone(headset: Headset) -> None:
+    """Switch the controllers off: sources of ``Input`` alone point, no hand holds the palette."""
+    inject(headset)
+    for side in ("left", "right"):
+        headset.ask(f"(device.controllers.{side}.connected = false)")
+    headset.until("hs.pointers().length === 0 && hs.headset.cockpit.panels.hangs")
 
 
 class Input:
@@ -70,15 +80,24 @@ class Input:
     def __init__(
         self, headset: Headset, name: str, mode: str, side: str = "none", profile: str = "acme"
     ) -> None:
-        self.headset, self.name = headset, name
+        self.headset, self.name, self.moving = headset, name, ""
         words = ", ".join(json.dumps(word) for word in (name, mode, side, profile))
-        headset.ask(f"window.inputs.come({words})")
+        self.coming = f"window.inputs.come({words})"
+        """What lets it come; empty once it is there."""
+        if mode not in MOMENTARY:
+            self.come()
+
+    def come(self, then: str = "null") -> None:
+        self.headset.ask(f"({self.coming or 'null'}, {then})")
+        self.coming = ""
 
     def move(self, to: list[float], held: list[float] | None = None) -> None:
-        """Look from the eyes to a place of the headset's space."""
+        """Look from the eyes to a place of the room, where a momentary source presses."""
         words = ", ".join(json.dumps(at) for at in (EYES, to, held or HELD))
-        self.headset.ask(f"window.inputs.move('{self.name}', {words})")
-        self.headset.frames()
+        self.moving = f"window.inputs.move('{self.name}', {words})"
+        if not self.coming:
+            self.headset.ask(self.moving)
+            self.headset.frames()
 
     def look(self, point: list[float]) -> None:
         """Look at a point of the recording (source coordinates)."""
@@ -105,7 +124,8 @@ class Input:
         self.move(self.headset.ask(f"hs.onPanel('{panel}', {u}, {v})")["at"])
 
     def select(self, down: bool) -> None:
-        self.headset.ask(f"window.inputs.select('{self.name}', {json.dumps(down)})")
+        select = f"window.inputs.select('{self.name}', {json.dumps(down)})"
+        self.come(f"{self.moving}, {select}" if self.coming else select)
         self.headset.frames()
 
     def go(self) -> None:

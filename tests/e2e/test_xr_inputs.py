@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from tests.e2e.headset import QUEST, VIVE, Headset, Wear, wear
-from tests.e2e.inputs import Input, inject
+from tests.e2e.inputs import Input, eyes_alone, inject
 from tests.e2e.recording import PERSON, SEQUENCE, Truth, painted
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
@@ -42,8 +42,7 @@ def test_what_has_no_place_paints_where_its_ray_hits_and_drags_at_that_depth(
     put_on: Wear, server: LiveServer, truth: Truth
 ) -> None:
     headset = put_on()
-    inject(headset)
-    lay_down(headset, "left", "right")
+    eyes_alone(headset)
     # The palette's handle hangs beside the timeline's: eyes and a pinch call it and put it away.
     headset.until(f"{PALETTE}.visible")
     look = Input(headset, "away", "transient-pointer", "right")
@@ -85,8 +84,7 @@ def test_look_and_pinch_scrubs_moves_scales_and_undoes_nothing_by_itself(
     put_on: Wear, server: LiveServer, truth: Truth
 ) -> None:
     headset = put_on()
-    inject(headset)
-    lay_down(headset, "left", "right")
+    eyes_alone(headset)
     look = Input(headset, "right", "transient-pointer", "right")
     look.look_at("timeline", "ruler", 0.05)
     look.select(True)
@@ -365,15 +363,46 @@ def by_hand(headset: Headset) -> tuple[Paint, Click]:
     return paint, headset.click
 
 
+def by_look(headset: Headset) -> tuple[Paint, Click]:
+    """Each pinch is a source of its own, which comes and goes with it."""
+    number = itertools.count()
+
+    def pinch() -> Input:
+        return Input(headset, f"pinch {next(number)}", "transient-pointer", "right")
+
+    def press(look: Input) -> None:
+        look.select(True)
+        look.select(False)
+        look.go()
+
+    def paint(point: list[float]) -> None:
+        look = pinch()
+        look.look(point)
+        press(look)
+
+    def click(panel: str, name: str) -> None:
+        if not headset.ask(f"hs.open('{panel}')"):
+            handle = pinch()
+            handle.call(panel)
+            handle.go()
+        headset.until(f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})")
+        look = pinch()
+        look.look_at(panel, name)
+        press(look)
+
+    return paint, click
+
+
 def begin(headset: Headset, name: str) -> None:
     """Enter as a person who was never led, with what a device has in hand."""
     headset.ready()
     headset.enter()
-    inject(headset)
     if name == "vive":
         lay_down(headset, "left")
     if name == "hands":
         headset.lay_down_controllers()
+    if name == "look":
+        eyes_alone(headset)
     headset.until("hs.taught() === 'paint'")
 
 
@@ -387,6 +416,7 @@ HINTS = {
         "Stick pressed: play",
     ),
     "hands": ("Pinch: paint",),
+    "look": (),
 }
 
 
@@ -399,7 +429,7 @@ def test_the_first_minute_is_finished_by_doing_what_it_says(
     device, pad = (VIVE, "touchpad") if name == "vive" else (QUEST, "thumbstick")
     headset = wear(browser, server.page_url, device, newcomer=True)
     begin(headset, name)
-    paint, click = by_hand(headset)
+    paint, click = by_look(headset) if name == "look" else by_hand(headset)
     hints = iter(HINTS[name])
     x, y, z = truth(0, PERSON)
 

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser
 
 from tests.e2e.conftest import DATA
 from tests.e2e.headset import QUEST, VIVE, Headset, wear
-from tests.e2e.inputs import Input, inject
+from tests.e2e.inputs import Input, eyes_alone
 from tests.e2e.recording import PERSON, SEQUENCE, put_dust
 from tests.e2e.server import LiveServer
 from tests.waiting import eventually
@@ -72,14 +72,6 @@ def with_hands(headset: Headset) -> None:
     hold(headset)
 
 
-def with_nothing(headset: Headset) -> None:
-    """Only what comes to press, or looks, is there."""
-    inject(headset)
-    for hand in ("left", "right"):
-        headset.ask(f"(device.controllers.{hand}.connected = false)")
-    headset.until("hs.pointers().length === 0")
-
-
 Call = Callable[[Headset, str], None]
 
 
@@ -110,9 +102,9 @@ DEVICES = {
     "quest": (QUEST, (960, 480), hold, by_ray),
     "one wand": (VIVE, (960, 480), with_one_wand, by_ray),
     "hands": (QUEST, (960, 480), with_hands, by_ray),
-    "look and pinch": (QUEST, (960, 480), with_nothing, by_press("transient-pointer")),
-    "gaze": (QUEST, (960, 480), with_nothing, by_gaze),
-    "touch": (PHONE, (400, 640), with_nothing, by_press("screen")),
+    "look and pinch": (QUEST, (960, 480), eyes_alone, by_press("transient-pointer")),
+    "gaze": (QUEST, (960, 480), eyes_alone, by_gaze),
+    "touch": (PHONE, (400, 640), eyes_alone, by_press("screen")),
 }
 
 

@@ -122,7 +122,8 @@ export class Painter {
   ): void {
     if (hand?.tracked !== true || peek(state.sequence) === null) {
       this.interrupt(hand);
-      this.free = false;
+      // Look and pinch come pressed; every other input must be let go before its press counts.
+      this.free = hand?.tracked !== true;
       this.rest();
       return;
     }

@@ -44,6 +44,8 @@ const [CALLS, KEEPS] = [0.97, 0.96];
 export class RoomPanels {
   readonly palette: PalettePanel;
   readonly timeline = new TimelinePanel({
+    // A palette without a hand hangs before it.
+    opens: () => this.spot.handless && this.palette.setFolded(true),
     hide: () => this.timeline.setFolded(true),
     callPalette: () => this.palette.setFolded(false),
   });
@@ -121,11 +123,9 @@ export class RoomPanels {
 
   /** Unfold the timeline where one looks, or fold it. */
   toggleTimeline(): void {
-    const { timeline, palette } = this;
+    const { timeline } = this;
     if (timeline.folded) this.settle();
     timeline.setFolded(!timeline.folded);
-    // A palette without a hand hangs before it.
-    if (this.spot.handless) palette.setFolded(true);
   }
 
   /** Lay the question before the eyes, and fold the timeline, which would hide the object. */

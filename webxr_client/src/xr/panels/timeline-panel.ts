@@ -32,6 +32,8 @@ const LAZY_MS = 1000;
 const BAR_EMS = 1.8;
 
 export interface TimelineControls {
+  /** It unfolds now. */
+  opens(): void;
   hide(): void;
   /** Unfold the palette. */
   callPalette(): void;
@@ -108,6 +110,11 @@ export class TimelinePanel extends Panel {
     this.head.geometry.dispose();
     this.head.material.dispose();
     super.dispose();
+  }
+
+  override setFolded(folded: boolean): void {
+    if (this.folded && !folded) this.controls.opens();
+    super.setFolded(folded);
   }
 
   override update(now: number): void {

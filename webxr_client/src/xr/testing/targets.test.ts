@@ -87,7 +87,7 @@ beforeAll(async () => {
   const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
   const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
   palette = new (await import('../panels/palette-panel')).PalettePanel(controls, session);
-  const bar = { hide: nothing, callPalette: nothing };
+  const bar = { opens: nothing, hide: nothing, callPalette: nothing };
   timeline = new (await import('../panels/timeline-panel')).TimelinePanel(bar);
   question = new (await import('../panels/question-panel')).QuestionPanel(nothing);
 });
