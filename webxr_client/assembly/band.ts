@@ -16,15 +16,13 @@ const WORD: u32 = 16;
 const FARTHEST: i32 = 65535;
 const LOW_COUNT: u32 = 31;
 const LOW_SHIFT: u32 = 5;
-/** Bytes of a pixel's number. */
-const PIXEL: usize = 4;
 
 function depthAt(place: usize): i32 {
   return <i32>load<u16>(place);
 }
 
 /**
- * Decode a band's pixels into an image of uint16 with a margin, and into one of depths without.
+ * Decode a band's pixels into an image of uint16 with a margin.
  * Returns the points' number, -1 where words or low bits ended too early.
  */
 export function decode(
@@ -48,12 +46,6 @@ export function decode(
   wordsEnd: usize,
   low: usize,
   lowBits: usize,
-  /** Depths by value, 0 where values are depths. */
-  listed: usize,
-  /** uint16 each, row by row. */
-  depths: usize,
-  /** uint32 each, row-major: of the band's points in their order. */
-  pixels: usize,
 ): i32 {
   // Pixels take turns with the states: four short chains of operations, side by side in the processor.
   let state = load<u32>(states);
@@ -63,17 +55,15 @@ export function decode(
   let words = states + STATES;
   let bit: usize = 0;
   let last = 0;
-  let out = pixels;
+  let points = 0;
   const left = (<usize>across) << 1;
   const above = (<usize>(down * stride)) << 1;
   const aside = (<usize>(vertical ? half * stride : half)) << 1;
-  const rowStep = down * width;
   for (let strip = firstRow; strip < stop; strip += STRIP * down) {
     const end = min<i32>(strip + STRIP * down, stop);
     for (let column = firstColumn; column < width; column += across) {
       let place = image + ((<usize>(strip * stride + column)) << 1);
-      let pixel = strip * width + column;
-      for (let row = strip; row < end; row += down, place += above, pixel += rowStep) {
+      for (let row = strip; row < end; row += down, place += above) {
         // The expected value, by what is known beside it.
         let one: i32;
         let other: i32;
@@ -122,13 +112,10 @@ export function decode(
         bit += bits;
         last = (expected + ((folded >>> 1) ^ -(folded & 1))) & FARTHEST;
         store<u16>(place, <u16>last);
-        const depth = listed ? depthAt(listed + ((<usize>(last - 1)) << 1)) : last;
-        store<u16>(depths + ((<usize>pixel) << 1), <u16>depth);
-        store<u32>(out, <u32>pixel);
-        out += PIXEL;
+        points += 1;
       }
     }
   }
   if (words > wordsEnd || bit > lowBits) return -1;
-  return <i32>((out - pixels) / PIXEL);
+  return points;
 }

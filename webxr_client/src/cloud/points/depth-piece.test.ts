@@ -41,7 +41,7 @@ function wall(level: 0 | 1, colours: Colours | null): Segment {
     final: level === 1,
     count: pixels.length,
     chunks: [chunk as unknown as Segment['chunks'][number]],
-    vertices: Uint32Array.from(pixels).buffer,
+    vertices: new ArrayBuffer(0),
     image: { lattice: LATTICE, depths, colours },
     nbytes: 0,
     decodeMs: 0,

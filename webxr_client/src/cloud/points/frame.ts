@@ -64,7 +64,7 @@ export class CloudFrame {
   }
 
   private pieceFrom(chunk: SegmentChunk, segment: Uint8Array<ArrayBuffer>): Piece {
-    return this.image ? depthPiece(this, chunk, segment.buffer) : pieceOf(chunk, segment);
+    return this.image ? depthPiece(this, chunk) : pieceOf(chunk, segment);
   }
 
   /** Take in an image with more pixels, which keeps the colours where it brings none. */

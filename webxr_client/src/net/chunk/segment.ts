@@ -56,8 +56,8 @@ export interface Segment {
   readonly count: number;
   readonly chunks: readonly SegmentChunk[];
   /**
-   * `count` × 12 bytes: x, y, z uint16; r, g, b, intensity uint8; chunk and size uint16.  Of a depth
-   * image `count` × 4 bytes: the point's pixel, row-major.
+   * `count` × 12 bytes: x, y, z uint16; r, g, b, intensity uint8; chunk and size uint16.  Empty with
+   * a depth image.
    */
   readonly vertices: ArrayBuffer;
   /** Depth image with the pixels that have come so far; null where points come as points. */

@@ -10,7 +10,7 @@ import {
   type Parts,
 } from './codec';
 import { inOneMemory, instantiate, type Decode } from './kernel';
-import { bandsOf, FARTHEST, firstStep, pixelsOf, type Band } from './lattice';
+import { bandsOf, firstStep, pixelsOf, type Band } from './lattice';
 
 /** State of a frame's earlier chunks that its later chunks need. */
 export interface Known {
@@ -33,21 +33,23 @@ export class Camera {
     this.kernel = instantiate(memory);
   }
 
-  /** Depths of all pixels, row by row, until the next call. */
-  get depths(): Uint16Array {
-    return this.arrays.depths;
+  /** Write the depths of all pixels, row by row. */
+  read(listed: Uint16Array, out: Uint16Array): void {
+    const { width, height } = this.lattice;
+    const { image } = this.arrays;
+    for (let row = 0; row < height; row++) {
+      const start = row * this.stride;
+      out.set(image.subarray(start, start + width), row * width);
+    }
+    if (listed.length === 0) return;
+    for (let i = 0; i < out.length; i++) out[i] = out[i] === 0 ? 0 : listed[out[i]! - 1]!;
   }
 
   /** Begin with the earlier pixels of a frame, or with none. */
-  restore(known: Known | null, listed: Uint16Array): void {
-    const { image, depths } = this.arrays;
+  restore(known: Known | null): void {
+    const { image } = this.arrays;
     image.fill(0);
-    depths.fill(0);
-    if (!known) return;
-    this.visit(known.step, (place, pixel, i) => {
-      const value = (image[place] = known.pixels[i]!);
-      depths[pixel] = listed.length > 0 && value > 0 ? listed[value - 1]! : value;
-    });
+    if (known) this.visit(known.step, (place, i) => (image[place] = known.pixels[i]!));
   }
 
   /** The values of pixels `step` apart. */
@@ -55,37 +57,28 @@ export class Camera {
     const { width, height } = this.lattice;
     const { image } = this.arrays;
     const pixels = new Uint16Array(Math.ceil(width / step) * Math.ceil(height / step));
-    this.visit(step, (place, _, i) => (pixels[i] = image[place]!));
+    this.visit(step, (place, i) => (pixels[i] = image[place]!));
     return { step, pixels };
   }
 
-  /** Call `each` with the places of pixels `step` apart in the image, among all pixels, and in turn. */
-  private visit(step: number, each: (place: number, pixel: number, turn: number) => void): void {
+  /** Call `each` with the places in the image of pixels `step` apart, in turn. */
+  private visit(step: number, each: (place: number, turn: number) => void): void {
     const { width, height } = this.lattice;
     for (let row = 0, i = 0; row < height; row += step) {
       for (let column = 0; column < width; column += step, i++) {
-        each(row * this.stride + column, row * width + column, i);
+        each(row * this.stride + column, i);
       }
     }
   }
 
-  /**
-   * Decode a chunk, of which `numbers` are the tables.  Returns the pixels of its points, row-major,
-   * until the next call.
-   */
-  decode(
-    chunk: number,
-    numbers: Numbers,
-    { tokens, low }: Parts,
-    listed: Uint16Array,
-  ): Uint32Array {
+  /** Decode a chunk, of which `numbers` are the tables.  Returns the number of its points. */
+  decode(chunk: number, numbers: Numbers, { tokens, low }: Parts): number {
     const band = this.bands[chunk];
     if (!band) throw new RangeError(`depth: expected chunks before ${this.bands.length}`);
     const { arrays, stride } = this;
     writeEntries(arrays.entries, numbers);
     fill(arrays.tokens, tokens);
     fill(arrays.low, low);
-    arrays.listed.set(listed);
     const { width } = this.lattice;
     const { row, stop, column, down, across, half, vertical } = band;
     const count = this.kernel(
@@ -94,11 +87,9 @@ export class Camera {
       ...[arrays.entries.byteOffset, arrays.told.byteOffset],
       ...[arrays.tokens.byteOffset, arrays.tokens.byteOffset + tokens.length],
       ...[arrays.low.byteOffset, 8 * low.length],
-      listed.length > 0 ? arrays.listed.byteOffset : 0,
-      ...[arrays.depths.byteOffset, arrays.pixels.byteOffset],
     );
     if (count < 0) throw new RangeError('depth: expected more bytes, got their end');
-    return arrays.pixels.subarray(0, count);
+    return count;
   }
 }
 
@@ -114,9 +105,6 @@ function arraysOf(lattice: Lattice, bands: readonly Band[]) {
     told: TOKENS_TOLD,
     tokens: new Uint8Array(tokenBytes(most)),
     low: new Uint8Array(lowBytes(most)),
-    listed: new Uint16Array(FARTHEST),
-    depths: new Uint16Array(width * height),
-    pixels: new Uint32Array(most),
   };
 }
 

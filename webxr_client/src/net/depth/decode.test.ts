@@ -5,7 +5,7 @@ import { BufferPool } from '../chunk/pool';
 import { spacingOf, type Segment } from '../chunk/segment';
 import { DepthDecoder } from './decode';
 import { unproject } from './grid';
-import { bandsOf } from './lattice';
+import { bandsOf, pointsOf } from './lattice';
 import type { Picture } from './pictures';
 
 const GOLDEN = new URL('../../../../tests/golden/', import.meta.url);
@@ -70,11 +70,12 @@ function message(data: Uint8Array, { chunks, count }: Golden, first: number, sto
 }
 
 /** The words of a segment's points, chunk by chunk. */
-function wordsOf({ vertices, chunks, image }: Segment): Uint16Array[] {
+function wordsOf({ chunks, image }: Segment): Uint16Array[] {
   const { lattice, depths } = image!;
   return chunks.map((chunk) => {
-    const pixels = new Uint32Array(vertices, 4 * chunk.start, chunk.count);
-    return unproject(lattice, chunk, chunk.index, bandsOf(lattice)[chunk.index]!, pixels, depths);
+    const band = bandsOf(lattice)[chunk.index]!;
+    const pixels = pointsOf(band, lattice.width, depths, chunk.count);
+    return unproject(lattice, chunk, chunk.index, band, pixels, depths);
   });
 }
 

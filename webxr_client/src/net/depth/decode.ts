@@ -1,4 +1,4 @@
-/** A depth message → the depth image so far, and which pixels its points are. */
+/** A depth message → the depth image so far. */
 import type { Depth, SequenceInfo } from '../../protocol/messages';
 import type { BufferPool } from '../chunk/pool';
 import type { Colours, DepthImage, Segment, SegmentChunk } from '../chunk/segment';
@@ -68,12 +68,12 @@ export class DepthDecoder {
     const before = first > 0 ? this.begun.get(message.frame) : undefined;
     if (!camera || message.chunks.length === 0 || (before?.chunks ?? 0) !== first) {
       void coming.picture?.then((picture) => picture.close());
-      return segmentOf(message, [], this.pool.take(0), null, 0);
+      return segmentOf(message, [], null, 0);
     }
     // The browser reads the picture at the same time.
     const painted = this.paint(camera, coming, first);
     const started = performance.now();
-    const { pixels, chunks, listed } = this.join(camera, coming, before);
+    const { chunks, listed } = this.join(camera, coming, before);
     const done = first + chunks.length;
     if (message.final) this.begun.delete(message.frame);
     else {
@@ -81,11 +81,12 @@ export class DepthDecoder {
       this.begun.set(message.frame, { chunks: done, known, listed });
     }
     const { lattice } = camera;
-    const bytes = this.pool.take(camera.depths.byteLength);
-    const depths = new Uint16Array(bytes, 0, camera.depths.length);
-    depths.set(camera.depths);
+    const size = lattice.width * lattice.height;
+    const bytes = this.pool.take(size * Uint16Array.BYTES_PER_ELEMENT);
+    const depths = new Uint16Array(bytes, 0, size);
+    camera.read(listed, depths);
     const took = performance.now() - started;
-    return segmentOf(message, chunks, pixels, { lattice, depths, colours: await painted }, took);
+    return segmentOf(message, chunks, { lattice, depths, colours: await painted }, took);
   }
 
   /** The picture of a message with chunks from `first` on. */
@@ -115,42 +116,37 @@ export class DepthDecoder {
     }
   }
 
-  /** The pixels of all chunks' points, and the depths that are listed of the frame. */
+  /** Decode all chunks' points; returns the depths that are listed of the frame as well. */
   private join(
     camera: Camera,
     { message, parts }: Coming,
     before: Begun | undefined,
-  ): { pixels: ArrayBuffer; chunks: SegmentChunk[]; listed: Uint16Array } {
-    const points = message.chunks.reduce((sum, chunk) => sum + chunk.count, 0);
-    const pixels = new Uint32Array(this.pool.take(points * Uint32Array.BYTES_PER_ELEMENT));
+  ): { chunks: SegmentChunk[]; listed: Uint16Array } {
     const chunks: SegmentChunk[] = [];
     let listed = before?.listed ?? new Uint16Array(0);
-    camera.restore(before?.known ?? null, listed);
-    let start = 0;
+    camera.restore(before?.known ?? null);
     message.chunks.forEach((chunk, i) => {
       const numbers = new Numbers(parts[i]!.tables);
       if (chunk.index === 0) listed = readListed(numbers);
-      const decoded = camera.decode(chunk.index, numbers, parts[i]!, listed);
-      if (decoded.length !== chunk.count) {
-        throw new RangeError(`depth: expected ${chunk.count} points, got ${decoded.length}`);
+      const count = camera.decode(chunk.index, numbers, parts[i]!);
+      if (count !== chunk.count) {
+        throw new RangeError(`depth: expected ${chunk.count} points, got ${count}`);
       }
-      pixels.set(decoded, start);
-      chunks.push({ ...chunk, ...this.grid!, start });
-      start += chunk.count;
+      chunks.push({ ...chunk, ...this.grid!, start: 0 });
     });
-    return { pixels: pixels.buffer, chunks, listed };
+    return { chunks, listed };
   }
 }
 
 function segmentOf(
   { sequence, frame, total, final, data }: Depth,
   chunks: readonly SegmentChunk[],
-  vertices: ArrayBuffer,
   image: DepthImage | null,
   decodeMs: number,
 ): Segment {
   const count = chunks.reduce((sum, chunk) => sum + chunk.count, 0);
   const nbytes = data.byteLength;
+  const vertices = new ArrayBuffer(0);
   // Points that do not join on end nothing.
   return { sequence, frame, total, final: final && image !== null, count, chunks, vertices, image, nbytes, decodeMs }; // prettier-ignore
 }

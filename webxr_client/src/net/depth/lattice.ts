@@ -8,6 +8,8 @@ export const FARTHEST = 65535;
 const LEVEL0_PIXELS = 4096;
 const CHUNK_PIXELS = 65536;
 
+type Pixels = Uint32Array<ArrayBuffer>;
+
 /** The pixels of a chunk. */
 export interface Band {
   readonly level: number;
@@ -80,6 +82,22 @@ function cut({ width, height }: Size, level: Level): Band[] {
 /** Number of pixels in a band, with or without a point. */
 export function pixelsOf({ row, stop, column, down, across }: Band, width: number): number {
   return Math.ceil((stop - row) / down) * Math.ceil((width - column) / across);
+}
+
+/** The pixels of a band's `count` points, row-major, in their order: those that have a depth. */
+export function pointsOf(band: Band, width: number, depths: Uint16Array, count: number): Pixels {
+  const { row: first, stop, column, down, across } = band;
+  const pixels = new Uint32Array(count);
+  let i = 0;
+  for (let strip = first; strip < stop; strip += STRIP * down) {
+    const end = Math.min(strip + STRIP * down, stop) * width;
+    for (let left = column; left < width; left += across) {
+      for (let pixel = strip * width + left; pixel < end; pixel += down * width) {
+        if (depths[pixel]! > 0) pixels[i++] = pixel;
+      }
+    }
+  }
+  return pixels;
 }
 
 /** Pictures have every pixel, every second, every eighth, and so on: the coarsest that will do. */
