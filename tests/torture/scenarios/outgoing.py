@@ -67,7 +67,7 @@ class Memory:
             self._arena.tally.count("differs", f"the server grew by {grown:,} bytes")
 
 
-@scenario("webhooks whose receivers hang, drip, flood, bomb, redirect, while six authors edit", 1)
+@scenario("webhook receivers hang, drip, flood, bomb or redirect, while six authors edit", 1)
 def hostile_receivers(arena: Arena) -> None:
     """The other webhooks are told at once, memory is bounded, and no redirection is followed."""
     workspace = arena.folder / "workspace"
