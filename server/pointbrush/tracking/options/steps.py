@@ -209,6 +209,12 @@ class GrowthOptions(Options):
     known_frames: int = 4
     end_on_ratio: float = 2.0
     was_there_share_end_on: float = 0.6  # share of that length that was there unlabelled, likewise
+    # A side that turns towards a camera: see ``steps.grow``.
+    side_units: float = 4.0  # units from known surface within which it begins
+    side_radii: float = 0.5  # radii beyond known surface within which it ends
+    side_cost: float = 0.4  # cost of a fit over which none is looked for
+    flat_units: float = 0.6  # units of its deviation from a plane
+    hand_m: float = 0.02  # metres of deviation across that a flat part of a hand has at most
     new_share: float = 0.5  # share of the known points that new surface has at most
     new_share_moving_scanner: float = 1.2  # the same, before a lidar on the move
     new_points: int = 10  # points of new surface that are allowed in any case

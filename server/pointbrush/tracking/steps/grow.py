@@ -7,6 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pointbrush.tracking.compute.graph import pieces
+from pointbrush.tracking.compute.grid import bounds, close_to, within
+from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import carved
@@ -117,7 +120,48 @@ def _with_new(
         )
         if component.points is not None:
             return replace(found, grown=component.points)
-    return replace(found, grown=_adjoin(track, view, fit, core, rest))
+    beside = _adjoin(track, view, fit, core, rest)
+    if track.rigid:
+        beside = together(np.sort(beside), _new_sides(track, view, fit, core, rest))
+    return replace(found, grown=beside)
+
+
+def _new_sides(track: Track, view: View, fit: Registration, core: I64, rest: I64) -> I64:
+    """Select the pieces of the free moving points ``rest`` (R,) that are new sides of an object.
+
+    A side begins beside the claimed points ``core`` (C,), ends all round, has no more points than
+    they, and is flat and broader than a hand.  An arm goes on, and a hand is round.
+    """
+    options = track.options.growth
+    if view.lens is None or fit.cost > options.side_cost or not _turned(track, fit):
+        return rest[:0]
+    xyz, reach = view.xyz[core].astype(np.float64), options.side_units * track.unit
+    lo, hi = bounds(xyz)
+    margin = reach + options.side_radii * track.model.radius
+    rest = rest[within(view.xyz[rest], lo - margin, hi + margin)]
+    at = view.xyz[rest].astype(np.float64)
+    inside = within(at, lo - margin + reach, hi + margin - reach)
+    beside = close_to(at, xyz, reach)
+    sides = np.zeros(len(rest), np.bool_)
+    number = pieces(at, track.unit, track.options.link)
+    for n in np.unique(number[beside]).tolist():
+        own = number == n
+        some = options.new_points < np.count_nonzero(own) < len(core)
+        sides |= own & (some and inside[own].all() and _flat_and_broad(track, at[own]))
+    return np.sort(rest[sides])
+
+
+def _turned(track: Track, fit: Registration) -> bool:
+    """Test whether an object has moved, or turned, within the frames that are remembered."""
+    away = transform(fit.pose, track.ends) - transform(track.motion.poses[0], track.ends)
+    return bool(np.abs(away).max() > track.options.register.rest_units * track.unit)
+
+
+def _flat_and_broad(track: Track, xyz: F64) -> bool:
+    """Test whether points (M, 3) lie in a plane, and are spread farther in it than a hand's."""
+    options = track.options.growth
+    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(np.cov(xyz.T)), 0.0))
+    return bool(spread[0] < options.flat_units * track.unit and spread[1] > options.hand_m)
 
 
 def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:
