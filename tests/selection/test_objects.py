@@ -98,6 +98,20 @@ def test_a_click_on_a_floor_of_tiles_offers_the_whole_floor() -> None:
     assert max(overlap(each, floor) for each in candidates(state, clicked(FLOOR))) > 0.8
 
 
+def test_a_click_on_a_bent_floor_offers_it_without_its_rug() -> None:
+    rng = np.random.default_rng(0)
+    frame, which = room(7)
+    floor = which == FLOOR
+    xyz, rgb = frame.xyz.copy(), np.array(frame.rgb)
+    rug = floor & (np.abs(xyz[:, [0, 2]] - [-0.7, -0.9]) < [0.6, 0.5]).all(axis=1)
+    rgb[rug] = [150, 70, 60]
+    xyz[floor, 1] += rng.normal(0, 0.008, int(floor.sum())) + 0.015 * rug[floor]
+    xyz[:, 1] += 0.012 * xyz[:, 0] ** 2
+    state = prepare(ObjectFrame(xyz, rgb, None, None, "room", np.eye(4)))
+    found = candidates(state, np.array([[-1.5, 0.03, 1.5]]))
+    assert max(overlap(each, floor & ~rug) for each in found) > 0.9
+
+
 def test_levels_are_nested_few_and_numbered_by_size(
     furnished: tuple[ObjectFrame, NDArray[np.int64], ObjectState],
 ) -> None:

@@ -6,7 +6,7 @@ the few are offered that clearly differ.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,21 +60,6 @@ def choose_levels(
     first, other = (order[0], kept) if better else (kept, fresh)
     chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
     return _with(chain, other)
-
-
-def _widen(
-    masks: Mask,
-    cells: NDArray[np.float64],
-    size: NDArray[np.float64],
-    first: int,
-    flat: int,
-    spill: float,
-) -> None:
-    """Add to a plane the few pieces that the first candidate has beside it, so that both nest."""
-    beside = float(cells[masks[first] & ~masks[flat]].sum())
-    if beside <= spill * size[flat]:
-        masks[flat] |= masks[first]
-        size[flat] += beside
 
 
 def _with(chain: list[int], other: int) -> list[int]:
@@ -153,6 +138,22 @@ def propose(
     return Proposals(unions, features, taken, kept_cells(state, wanted, unwanted))
 
 
+def _widened(
+    found: Proposals, cells: NDArray[np.float64], first: int, flat: int, spill: float
+) -> Proposals:
+    """Return proposals in which a plane has the few pieces of the first beside it: both nest.
+
+    ``cells`` (P,) of each piece.
+    """
+    masks = found.unions.masks
+    beside = masks[first] & ~masks[flat]
+    if cells[beside].sum() > spill * cells[masks[flat]].sum():
+        return found
+    wider = masks.copy()
+    wider[flat] |= beside
+    return replace(found, unions=replace(found.unions, masks=wider))
+
+
 def _calibrated(
     score: NDArray[np.float64], shown: float, options: LadderOptions
 ) -> NDArray[np.float64]:
@@ -200,14 +201,14 @@ def candidates(
     found = propose(state, wanted, unwanted, mask, model.merge, options)
     score = expected_iou(found.features, model.value)
     cells = state.sums[: state.piece_count, sums.COUNT]
-    size = found.unions.masks.astype(np.float64) @ cells
-    kept = None if found.taken is None else len(size) - 1
+    kept = None if found.taken is None else len(score) - 1
     alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
     ladder = options.ladder
     margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": ladder.keep}
     flat = next(iter(np.flatnonzero(found.unions.origin == Origin.PLANE).tolist()), None)
     if flat is not None and kept is None:
-        _widen(found.unions.masks, cells, size, int(score.argmax()), flat, ladder.spill)
+        found = _widened(found, cells, int(score.argmax()), flat, ladder.spill)
+    size = found.unions.masks.astype(np.float64) @ cells
     chosen = choose_levels(
         found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder, flat
     )

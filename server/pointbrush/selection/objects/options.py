@@ -125,10 +125,22 @@ class PlaneOptions(Positive):
     """Square metres of the smallest piece from which a plane is sought."""
     least_area: float = 0.05
     """Square metres of the smallest plane."""
-    off: float = 0.015
-    """Metres, root mean square, by which the cells of a piece may be off the plane."""
-    off_cells: float = 1.2
+    off: float = 0.02
+    """Metres by which a piece of the same colour may lie off the pieces of the plane about it."""
+    off_cells: float = 1.5
     """Times the cell size; the same, where that is more."""
+    rough: float = 1.5
+    """Times the above, by which its cells may be off their own mean height (root mean square)."""
+    along: float = 0.6
+    """Share of its normals that points along the plane's normal, at least."""
+    near: float = 0.5
+    """Metres about a piece within which the plane's pieces count most."""
+    colour: float = 14.0
+    """Lab units by which the colour of a level piece may differ from theirs."""
+    colour_share: float = 0.95
+    """Share of the step to the plane that colours make up at most: tiles are one floor."""
+    lightness: float = 0.3
+    """Weight of the lightness in that difference: lamps and shadows change it."""
     rounds: int = 8
     """Times that a plane is fitted to the pieces found on it."""
 

@@ -1,11 +1,14 @@
 """Planes of a frame: coplanar pieces that touch, such as a floor, a wall or a table top.
 
 Noise and colours part a floor into many pieces, and the merge tree, which learnt objects, joins
-them late and with what stands on them.  Here a piece joins its neighbours' plane while its cells
-lie on it.
+them late and with what stands on them.  Here a piece joins its neighbours' plane while it lies
+level with the pieces of the plane about it and has about their colour.  The comparison is local:
+drift bends a scanned floor by several centimetres, more than a rug or a door is thick.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,24 +24,49 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+class _Bounds(NamedTuple):
+    """Bounds of ``PlaneOptions`` for the cells of a frame: metres, cells and Lab units."""
+
+    off: float
+    rough: float
+    along: float
+    near: float
+    colour: float
+    colour_share: float
+    fewest: float
+    rounds: int
+
+
 def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
     """Return the plane (P,) of each piece, -1 for none; ``size`` of the cells, metres."""
     count = pieces.sums[:, sums.COUNT]
     starts, far, _ = neighbours(len(count), pieces.pairs.astype(np.int32))
     order = np.argsort(-count, kind="stable")
     seeds = order[count[order] * size**2 >= options.least_seed]
-    fewest = options.least_area / size**2
     off = max(options.off_cells * size, options.off)
-    return _planes(pieces.sums, starts, far, seeds, off, fewest, options.rounds)
+    bounds = _Bounds(
+        off, options.rough * off, options.along, options.near, options.colour, options.colour_share,
+        options.least_area / size**2, options.rounds,
+    )  # fmt: skip
+    place = pieces.sums[:, sums.XYZ : sums.SQUARES] / count[:, None]
+    tint = pieces.sums[:, sums.LAB : sums.LAB_SQUARES] / count[:, None]
+    tint *= (options.lightness, 1, 1)
+    return _planes(pieces.sums, place, tint, starts, far, seeds, bounds)
 
 
 @compiled
 def _planes(
-    leaves: Floats, starts: Ints, far: Ints, seeds: Ints, off: float, fewest: float, rounds: int
+    leaves: Floats,
+    place: Floats,
+    tint: Floats,
+    starts: Ints,
+    far: Ints,
+    seeds: Ints,
+    bounds: _Bounds,
 ) -> Ints:
     plane = np.full(len(leaves), -1, np.int64)
     seen = np.full(len(leaves), -1, np.int64)
-    members = np.empty(len(leaves), np.int64)
+    members, height = np.empty(len(leaves), np.int64), np.empty(len(leaves))
     total, fit = np.empty(sums.WIDTH), np.empty(4)
     found = stamp = 0
     for seed in seeds:
@@ -47,20 +75,23 @@ def _planes(
         total[:] = leaves[seed]
         before = -1.0
         held = 0
-        for _ in range(rounds):
+        for _ in range(bounds.rounds):
             _fit(total, fit)
-            if _off(leaves[seed], fit) > off:
+            if abs(_height(place[seed], fit)) > bounds.off:
                 held = 0
                 break
             stamp += 1
-            held = _flood(seed, leaves, starts, far, plane, seen, stamp, fit, off, members)
+            held = _flood(
+                seed, leaves, place, tint, height, starts, far, plane, seen, stamp, fit, bounds,
+                members,
+            )  # fmt: skip
             total[:] = leaves[seed]
             for m in members[1:held]:
                 sums.add(total, leaves[m], total)
             if total[sums.COUNT] == before:
                 break
             before = total[sums.COUNT]
-        if held > 0 and total[sums.COUNT] >= fewest:
+        if held > 0 and total[sums.COUNT] >= bounds.fewest:
             for m in members[:held]:
                 plane[m] = found
             found += 1
@@ -71,28 +102,65 @@ def _planes(
 def _flood(
     seed: int,
     leaves: Floats,
+    place: Floats,
+    tint: Floats,
+    height: Floats,
     starts: Ints,
     far: Ints,
     plane: Ints,
     seen: Ints,
     stamp: int,
     fit: Floats,
-    off: float,
+    bounds: _Bounds,
     members: Ints,
 ) -> int:
     """Write the pieces on a plane that a seed leads to; their number."""
     members[0], held, at = seed, 1, 0
     seen[seed] = stamp
+    height[seed] = _height(place[seed], fit)
     while at < held:
         for k in range(starts[members[at]], starts[members[at] + 1]):
             p = far[k]
-            if seen[p] != stamp and plane[p] < 0:
-                seen[p] = stamp
-                if _off(leaves[p], fit) <= off:
-                    members[held] = p
-                    held += 1
+            if seen[p] == stamp or plane[p] >= 0:
+                continue
+            seen[p] = stamp
+            if _along(leaves[p], fit) < bounds.along or _rough(leaves[p], fit) > bounds.rough:
+                continue
+            height[p] = _height(place[p], fit)
+            if _step(p, members[:held], leaves, place, tint, height, bounds) <= 1:
+                members[held] = p
+                held += 1
         at += 1
     return held
+
+
+@innermost
+def _step(
+    p: int,
+    members: Ints,
+    leaves: Floats,
+    place: Floats,
+    tint: Floats,
+    height: Floats,
+    bounds: _Bounds,
+) -> float:
+    """Return the squared step from the members about a piece to it; 1 at the bound.
+
+    The step has two parts: the height over the plane and the colour.
+    """
+    raised = red = green = blue = weight = 0.0
+    for m in members:
+        away = 0.0
+        for k in range(3):
+            away += (place[m, k] - place[p, k]) ** 2
+        w = leaves[m, sums.COUNT] / (1 + away / bounds.near**2) ** 2
+        weight += w
+        raised += w * height[m]
+        red, green, blue = red + w * tint[m, 0], green + w * tint[m, 1], blue + w * tint[m, 2]
+    up = height[p] - raised / weight
+    colour = (tint[p, 0] - red / weight) ** 2
+    colour += (tint[p, 1] - green / weight) ** 2 + (tint[p, 2] - blue / weight) ** 2
+    return float((up / bounds.off) ** 2 + min(colour / bounds.colour**2, bounds.colour_share))
 
 
 @innermost
@@ -108,13 +176,27 @@ def _fit(row: Floats, fit: Floats) -> None:
 
 
 @innermost
-def _off(row: Floats, fit: Floats) -> float:
-    """Root mean square distance of a region's cells from a plane, metres."""
+def _height(place: Floats, fit: Floats) -> float:
+    """Return the signed distance of a place from a plane, metres."""
+    return float(fit[0] * place[0] + fit[1] * place[1] + fit[2] * place[2] - fit[3])
+
+
+@innermost
+def _rough(row: Floats, fit: Floats) -> float:
+    """Return the root mean square height of a region's cells over its own mean height, metres."""
     n, x, s = row[sums.COUNT], sums.XYZ, sums.SQUARES
-    a, b, c, d = fit[0], fit[1], fit[2], fit[3]
+    a, b, c = fit[0], fit[1], fit[2]
     square = (
         a * a * row[s] + b * b * row[s + 3] + c * c * row[s + 5]
         + 2 * (a * b * row[s + 1] + a * c * row[s + 2] + b * c * row[s + 4])
     ) / n  # fmt: skip
     mean = (a * row[x] + b * row[x + 1] + c * row[x + 2]) / n
-    return float(np.sqrt(max(square - 2 * d * mean + d * d, 0.0)))
+    return float(np.sqrt(max(square - mean * mean, 0.0)))
+
+
+@innermost
+def _along(row: Floats, fit: Floats) -> float:
+    """Return the share, 0 to 1, of a region's normals that points along a plane's normal."""
+    n = sums.NORMAL
+    dot = fit[0] * row[n] + fit[1] * row[n + 1] + fit[2] * row[n + 2]
+    return float(abs(dot) / row[sums.COUNT])

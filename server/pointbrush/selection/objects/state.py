@@ -15,7 +15,7 @@ from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 5
+VERSION = 6
 """Of the file; a state of another version is prepared anew."""
 MOST_BYTES = 16 * 2**30
 """Of the file, unpacked: some 400 bytes a cell, and a cell holds a point or more."""
