@@ -161,9 +161,17 @@ def _calibrated(
 
     The order of the scores stays.
     """
-    odds = np.log(np.clip(score, 0.02, 0.98) / np.clip(1 - score, 0.02, 0.98))
-    raised = 1 / (1 + np.exp(-options.camera_odds - options.camera_slope * odds))
+    raised = _chance(options.camera_odds + options.camera_slope * _odds(score))
     return np.asarray(np.where(score >= shown, np.maximum(score, raised), score))
+
+
+def _odds(score: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return log odds, of chances of 0.02 to 0.98."""
+    return np.asarray(np.log(np.clip(score, 0.02, 0.98) / np.clip(1 - score, 0.02, 0.98)))
+
+
+def _chance(odds: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(1 / (1 + np.exp(-odds)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -204,7 +212,10 @@ def candidates(
     kept = None if found.taken is None else len(score) - 1
     alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
     ladder = options.ladder
-    margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": ladder.keep}
+    corrected = len(wanted) + len(unwanted) > 2
+    sure = kept is not None and corrected and score[kept] >= ladder.sure
+    lidar_keep = ladder.sure_keep if sure else ladder.keep
+    margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": lidar_keep}
     flat = next(iter(np.flatnonzero(found.unions.origin == Origin.PLANE).tolist()), None)
     if flat is not None and kept is None:
         found = _widened(found, cells, int(score.argmax()), flat, ladder.spill)
@@ -214,6 +225,9 @@ def candidates(
     )
     if state.sensor == "camera" and flat is None:
         score = _calibrated(score, float(score[chosen[0]]), ladder)
+    if state.sensor == "lidar":
+        size_odds = ladder.lidar_odds * np.log(size[chosen[0]] / ladder.lidar_cells)
+        score = _chance(_odds(score) + size_odds)
     points = found.points(state, chosen)
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")
     return [

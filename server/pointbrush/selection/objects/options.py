@@ -167,6 +167,10 @@ class LadderOptions(Positive):
     """Share of a plane that the level shown first may reach beyond it and still nest with it."""
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
+    sure: float = 0.7
+    """Score of what was taken before a lidar, from which on ``sure_keep`` applies."""
+    sure_keep: float = 0.1
+    """The same as ``keep`` for what scores so high: after corrections, it is better than that."""
     room_keep: float = 0.08
     """The same in scanned rooms, where scores are less sure."""
     camera_keep: float = 0.06
@@ -175,6 +179,10 @@ class LadderOptions(Positive):
     """Log odds of the overlap of the level shown first, at a score of 0.5, before depth cameras."""
     camera_slope: float = 0.2
     """Log odds by which they rise with the log odds of the score."""
+    lidar_odds: float = 0.24
+    """Log odds by which scores rise with the log of the cells of the level shown first (lidar)."""
+    lidar_cells: float = 100.0
+    """Cells of that level at which the scores are as the model gives them."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
