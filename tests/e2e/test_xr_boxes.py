@@ -67,3 +67,8 @@ def test_a_face_and_the_whole_box_follow_the_hand(
     moved = np.subtract(box_of(server)["poses"]["0"]["centre"], box["poses"]["0"]["centre"])
     assert moved == pytest.approx([0, 0.4, 0], abs=0.06)
     assert len(box_of(server)["poses"]) == FRAMES
+    server.request("PATCH", f"sequences/street/boxes/{box['id']}", json={"heading_known": False})
+    headset.click("palette", "Turn round")
+    eventually(lambda: box_of(server)["heading_known"])
+    turned = box_of(server)["poses"]
+    assert all(abs(pose["quaternion"][2]) == pytest.approx(1, abs=1e-3) for pose in turned.values())

@@ -6,6 +6,7 @@ import {
   interpolate,
   pointsFromBox,
   trackAndFit,
+  turnRound,
 } from '../../../boxes/changes';
 import { metres, percent } from '../../../common/format';
 import { actions } from '../../../store/actions';
@@ -33,7 +34,7 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   });
   const usable = canEdit.peek() && label !== null;
   const entries = buttons(box).map(([look, run]): Entry => [{ ...look, disabled: look.disabled === true || !usable }, run]); // prettier-ignore
-  ui.strip(x, top + em * 6.2, inner, em * TILE, entries, 2);
+  ui.strip(x, top + em * 7.7, inner, em * TILE, entries, 2);
 }
 
 function told(box: ObjectBox | null, name: string | undefined): string[] {
@@ -44,7 +45,7 @@ function told(box: ObjectBox | null, name: string | undefined): string[] {
   const pose = box.poses[state.shown.peek().frame];
   if (!pose) return [`${name}: not in this frame`, size];
   const how = pose.provenance === 'fitted' ? `fitted, ${percent(pose.confidence)} confidence` : pose.provenance; // prettier-ignore
-  return [`${name}: ${how}`, size];
+  return [`${name}: ${how}`, size, ...(box.heading_known ? [] : ['Front unknown'])];
 }
 
 function buttons(box: ObjectBox | null): Entry[] {
@@ -60,5 +61,6 @@ function buttons(box: ObjectBox | null): Entry[] {
     here || !box
       ? [{ icon: 'points', text: 'Points from box', disabled: !here }, () => void pointsFromBox(false)]
       : [{ icon: 'pin', text: 'Copy here' }, () => void bringHere()],
+    [{ icon: 'swap', text: 'Turn round', disabled: !box }, () => void turnRound()],
   ]; // prettier-ignore
 }
