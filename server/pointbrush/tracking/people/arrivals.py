@@ -1,4 +1,4 @@
-"""People who come, come back, or changed places."""
+"""People entering, returning, or exchanged with each other."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ from pointbrush.tracking.people.stature import beneath_heads, ratio, top_of
 def exchanged(
     observation: PersonObservation, people: Sequence[Person], now: int
 ) -> Iterator[tuple[Person, Person, bool]]:
-    """Pairs of people who are each clearly dressed, or as tall, as the other; and whether both
-    statures tell it, for which one frame is enough."""
+    """Yield exchanged pairs of people, by clothes or stature of each other.
+
+    The third value is whether both statures are decisive, for which one frame is enough.
+    """
     options = observation.options
     seen = [f for f in people if len(observation.cells_of(f.label))]
     some = {f.label: observation.some(observation.cells_of(f.label)) for f in seen}
@@ -51,12 +53,12 @@ def exchanged(
 
 
 def _may_have_taken(person: Person, stranger: Person) -> bool:
-    """Whether a person may have the place of a stranger, who has theirs."""
+    """Return whether a person may have been exchanged with an unlabelled person."""
     return bool(person.identity.doubts) and stranger.since > person.identity.sure
 
 
 def exchange(observation: PersonObservation, people: Sequence[Person], now: int) -> None:
-    """Change back who changed places, and doubt those of whom it is not certain yet."""
+    """Restore exchanged people, and doubt pairs that are not certain yet."""
     pairs = list(exchanged(observation, people, now))
     for person in people:
         if not any(person in pair[:2] for pair in pairs):
@@ -77,16 +79,16 @@ def exchange(observation: PersonObservation, people: Sequence[Person], now: int)
 
 
 Offer = tuple[I64, Person | None, I64 | None]
-"""Cells that may be a person's, whose they were, and the rest of their if that is another's
-head."""
+"""Cells that may be a person's, their former owner, and the owner's other cells if split by
+heads."""
 
 
 def come_back(
     observation: PersonObservation, people: Sequence[Person], usual: float, now: int
 ) -> set[int]:
-    """Give bodies that no one labelled had before to those who are missing, the likeliest first.
+    """Assign bodies without a labelled owner to missing people, the most likely first.
 
-    Gives the numbers of those without a label who were one of them.
+    Returns the numbers of unlabelled people that were identified as one of them.
     """
     gone = [f for f in people if f.named and f.elsewhere(observation, now)]
     offers = _offers(observation, people, gone, usual, now) if gone else []
@@ -117,7 +119,7 @@ def come_back(
 def _ranked(
     observation: PersonObservation, gone: Sequence[Person], offers: Sequence[Offer], now: int
 ) -> list[tuple[float, int, int]]:
-    """Cost, label of a missing person and number of an offer, the least cost first."""
+    """Return cost, label of a missing person and number of an offer, in ascending order of cost."""
     ranked = []
     for person in gone:
         for number, (cells, other, rest) in enumerate(offers):
@@ -134,8 +136,11 @@ def _ranked(
 def _taken(
     observation: PersonObservation, cells: I64, other: Person | None, young: Sequence[int]
 ) -> Mask:
-    """Mark the cells (N,) that go along with those offered: of their bodies all that is free, or
-    whose owner is ``young``, unless they were a labelled person's."""
+    """Return a mask (N,) of offered cells with the rest of their bodies.
+
+    The rest are free cells and cells of ``young`` owners; it is left out if the offer is part of a
+    labelled person.
+    """
     taken = np.zeros(len(observation.owner), np.bool_)
     taken[cells] = True
     if other is None or not other.named:
@@ -147,8 +152,10 @@ def _taken(
 
 
 def _may_be(person: Person, other: Person | None) -> bool:
-    """Whether what is no track's, or an ``other``'s, may be a person's who is missing: who has no
-    label and was there while they were in sight is not they."""
+    """Return whether an untracked body, or one of an ``other`` person, may be a missing person.
+
+    An unlabelled person that was there while the missing one was visible is excluded.
+    """
     if other is None or other.named:
         return other is not person
     return other.since > person.well
@@ -157,10 +164,10 @@ def _may_be(person: Person, other: Person | None) -> bool:
 def _may_return(
     observation: PersonObservation, person: Person, other: Person | None, cells: I64, now: int
 ) -> bool:
-    """Test whether a missing person may have a free body, or that of an ``other`` person.
+    """Return whether a missing person may have a free body, or the body of an ``other`` person.
 
-    A newcomer is a person who left at a side of the picture only once stature, clothes and time
-    make that likely.
+    A newcomer is identified with a person that left at a side of the picture only if stature,
+    clothes and time make it likely.
     """
     if not (person.at_side and person.frames_unseen) or (other is not None and other.named):
         return True
@@ -170,7 +177,7 @@ def _may_return(
 def _recognised(
     observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
 ) -> bool:
-    """Test by log odds whether a ``newcomer`` is a person who left the picture."""
+    """Return whether, by log odds, a ``newcomer`` is a person that left the picture."""
     options, tops = observation.options.arrivals, newcomer.identity.stature.tops
     if len(tops) < options.return_tops:
         return False
@@ -189,7 +196,7 @@ def _offers(
     usual: float,
     now: int,
 ) -> list[Offer]:
-    """Collect the cells that may be of a person ``gone``: free bodies, and parts of others."""
+    """Return cells that may be of a person ``gone``: free bodies, and parts of other people."""
     options = observation.options.arrivals
     part = parts(observation.cells.touching, (observation.owner == 0) & observation.cells.solid)
     count = np.bincount(part[part >= 0])
@@ -212,7 +219,7 @@ def _offers(
 
 
 def _rather(observation: PersonObservation, person: Person, cells: I64, rest: I64) -> float:
-    """Return by how much the cells cost less as a person's than the ``rest`` of their cells."""
+    """Return the cost of the ``rest`` of a person's cells to be theirs, minus that of ``cells``."""
     middle = np.median((person.xyz + person.step) @ observation.flat, axis=0)
 
     def cost(own: I64) -> float:
@@ -229,7 +236,7 @@ def _rather(observation: PersonObservation, person: Person, cells: I64, rest: I6
 def _dressed_as(
     observation: PersonObservation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
-    """Collect parts of other people dressed as a missing person, rather than as they are."""
+    """Return parts of other people with the clothes of a missing person instead of their own."""
     options = observation.options.arrivals
     if who.identity.appearance is None:
         return []
@@ -255,8 +262,10 @@ def _dressed_as(
 def _cost(
     observation: PersonObservation, person: Person, cells: I64, other: Person | None, now: int
 ) -> float | None:
-    """Cost of a body as a missing person's: distance, clothes and stature; None where it cannot be
-    theirs."""
+    """Return the cost of a body for a missing person, by distance, clothes and stature.
+
+    None: it cannot be theirs.
+    """
     options = observation.options
     away = far_from(observation, person, cells, now)
     like = person.likeness(observation.some(cells))
@@ -271,7 +280,7 @@ def _cost(
 
 
 def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
-    """Gain in cost by the likelihood of a person's stature for some cells."""
+    """Return the reduction of the cost of some cells by a person's stature."""
     top = top_of(observation, cells, person.area) if person.identity.stature.known else None
     if top is None:
         return 0.0
@@ -279,7 +288,7 @@ def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
 
 
 def far_from(observation: PersonObservation, person: Person, cells: I64, now: int) -> float:
-    """Share of the way that a missing person may have gone at which a body is."""
+    """Return the distance of a body over the maximum distance a missing person may have moved."""
     options = observation.options.arrivals
     there = np.vstack([person.xyz + person.step, person.known])
     reach = options.back_m + options.back_m_per_frame * min(
@@ -291,7 +300,7 @@ def far_from(observation: PersonObservation, person: Person, cells: I64, now: in
 def mistakable(
     observation: PersonObservation, people: Sequence[Person], person: Person, now: int
 ) -> list[Person]:
-    """Return those who are missing near what a person has, and whose it may as well be."""
+    """Return missing people near a person's cells that may have these cells instead."""
     cells = observation.cells_of(person.label)
     if not len(cells):
         return []
@@ -303,8 +312,10 @@ def mistakable(
 
 
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
-    """Whether what a person has is certainly not another's, by colours (S, 3) of it or by its top,
-    where the other of both does not speak against it."""
+    """Return whether a person's cells are certainly not another's.
+
+    Colours ``some`` (S, 3) or ``top`` is decisive, and the other one does not contradict it.
+    """
     options = person.options
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
     tall = ratio(top, person.identity.stature, other.identity.stature)
@@ -316,7 +327,7 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
 def newcomers(
     observation: PersonObservation, people: Sequence[Person], usual: float, now: int
 ) -> list[Person]:
-    """Begin people in bodies without an owner; a body around a person in sight is theirs."""
+    """Return new people for bodies without an owner; bodies around a visible person are theirs."""
     options = observation.options
     free = (observation.owner == 0) & observation.cells.solid
     bodies = observation.bodies
@@ -348,7 +359,7 @@ def newcomers(
 
 
 def _middles(observation: PersonObservation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
-    """Return the middle (2,) on the ground of each labelled person in sight."""
+    """Return the middle (2,) on the ground of each visible labelled person."""
     found = []
     for person in people:
         own = observation.owner == person.label
@@ -363,7 +374,7 @@ def _middles(observation: PersonObservation, people: Sequence[Person]) -> list[t
 def _whose(
     observation: PersonObservation, middles: Sequence[tuple[Person, F64]], cells: I64
 ) -> int | None:
-    """The label of who is in sight around a body, and not dressed otherwise."""
+    """Return the label of the visible person around a body, unless the clothes differ."""
     options = observation.options
     middle = np.median(observation.ground[cells], axis=0)
     near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
@@ -377,7 +388,7 @@ def _whose(
 
 
 def _beside(observation: PersonObservation, people: Sequence[Person], cells: I64) -> int | None:
-    """The number of who has no label and is right beside a body."""
+    """Return the number of an unlabelled person adjacent to a body."""
     for person in people:
         own = observation.owner == person.label
         if (
@@ -390,7 +401,7 @@ def _beside(observation: PersonObservation, people: Sequence[Person], cells: I64
 
 
 def merge(observation: PersonObservation, people: Sequence[Person], now: int) -> set[int]:
-    """The numbers of those who have just come, and are parts of a person just come back."""
+    """Return the numbers of new unlabelled people that are parts of a just returned person."""
     options = observation.options.arrivals
     gone: set[int] = set()
     returned = [f for f in people if f.named and f.age and now - f.back <= options.recent_frames]
@@ -413,7 +424,7 @@ def merge(observation: PersonObservation, people: Sequence[Person], now: int) ->
 
 
 def _gap(observation: PersonObservation, one: I64, other: I64) -> float:
-    """Metres between two bodies."""
+    """Return the distance (m) between two bodies."""
     return _least(observation.cells.middle[one], observation.cells.middle[other])
 
 

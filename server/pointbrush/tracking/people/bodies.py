@@ -1,4 +1,4 @@
-"""Bodies that are shared out among people, and people who return."""
+"""Assign connected foreground bodies to people, also after an occlusion."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from pointbrush.tracking.steps.context import step_of
 
 
 def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I64]:
-    """The points of large ``tracks`` that come out from behind others; none where none are alike.
+    """Return the points by label of large ``tracks`` that reappear from behind other objects.
 
-    ``moving`` are points before the background that nothing else explains.  Each body that hangs
-    together there goes to the object whose clothes it wears, the surest first: one within reach
-    of where it should be, that shows its colours, or of whose colours the object showed some.
+    ``moving``: unexplained foreground points.  Each connected body is assigned to the object with
+    the most similar colours, in descending order of likelihood.  The body must be within reach of
+    the expected position and share colours with the object.  A track without a match is left out.
     """
     options = view.options
     if len(moving) < options.claim.min_claim_points or not tracks:
@@ -50,7 +50,7 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
 
 
 def _cell_size(tracks: Iterable[Track], options: BodyOptions) -> float:
-    """Metres of a cell of the foreground that large ``tracks`` share, a median."""
+    """Return the median size (m) of a foreground cell over large ``tracks``."""
     return float(
         np.median(
             [max(options.cell_units * t.unit, options.cell_radius_share * t.span) for t in tracks]
@@ -63,7 +63,7 @@ def _alike_bodies(
 ) -> Iterator[tuple[float, int, I64]]:
     """Yield the bodies within reach of a track, alike in colour: log likelihood, number, points."""
     options = view.options
-    # Who left the picture may have turned there.
+    # A person may have turned back outside the picture.
     either = (track.motion.predictions[0], track.motion.poses[-1])
     expected = np.vstack([transform(T, track.model.xyz) for T in either])
     away, _ = cKDTree(expected).query(foreground.middle)
@@ -87,7 +87,7 @@ def _alike_bodies(
 
 
 def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
-    """Whether ``points`` show the clothes of an object, and not rather those of another."""
+    """Return whether the colours of ``points`` fit an object, and fit it better than others."""
     options = view.options
     colour = view.colour(points[:: _step(len(points), options=options.body)])
     appearance = tracks[label].appearance
@@ -104,9 +104,9 @@ def _step(count: int, options: BodyOptions) -> int:
 def undisputed(
     claims: Mapping[int, Claim], tracks: Mapping[int, Track], options: BodyOptions
 ) -> dict[int, Claim]:
-    """The claims, where two large objects want the same body given to the likelier one, whole.
+    """Return the claims, with a body claimed by two large objects given to the likelier one.
 
-    Point by point the two would share it: who is hidden would take part of who hides them.
+    Resolved point by point, an occluded object would take points of the object in front of it.
     """
     result = dict(claims)
     large = [n for n in claims if tracks[n].large]
@@ -130,11 +130,11 @@ def hang_together(
     labelled: Mapping[int, LabelledPoints],
     taken: Mask,
 ) -> dict[int, LabelledPoints]:
-    """Points of large objects: what hangs together with their claims, which may lose points.
+    """Return the points of large objects connected to their claims; claims may lose points.
 
-    ``taken`` (N,) are points that a person has.  What stood still, and what is where something
-    unlabelled was, is the outside and spreads too: floor that a foot has just uncovered hangs
-    together with the floor around it.
+    ``taken`` (N,): points that people already have.  Static points and points at the former place
+    of unlabelled objects are seeds of the outside and spread as well: floor that a foot has just
+    uncovered is connected to the floor around it.
     """
     view, background = associations.view, associations.background
     options = view.options
@@ -152,7 +152,7 @@ def hang_together(
     either[ground] = True
     every = np.flatnonzero(either)
     foreground = Foreground.of(view, every, size)
-    # What shows again as deep as it was before something nearer hid it is whose it was.
+    # Surface that reappears at its depth from before an occlusion keeps its former label.
     again = np.where(inside[every], background.again(view, every), 0)
     seeds = _seeds(len(view.xyz), cores, every, again, options=options.background)
     sure = (background.certain(view, every) | (again != 0)) & inside[every]
@@ -177,9 +177,9 @@ def hang_together(
 def _before_and_behind(
     associations: Associations, cores: Mapping[int, I64], taken: Mask, size: float
 ) -> tuple[Mask, I64]:
-    """Mark the moving points (N,) around large objects, and number those (M,) at rest beside them.
+    """Return a mask (N,) of moving points around large objects and indices (M,) at rest nearby.
 
-    Of what others have ``taken`` only the claims ``cores`` count, within ``size`` metres.
+    Of the ``taken`` points only the claims ``cores`` count; nearby is within ``size`` metres.
     """
     view = associations.view
     inside, outside = np.zeros(len(view.xyz), np.bool_), np.zeros(len(view.xyz), np.bool_)
@@ -202,7 +202,7 @@ def _others(
     ground: I64,
     size: float,
 ) -> Mask:
-    """(N,) those of the ``rest`` (M,) of what moves that are unlabelled objects'."""
+    """Return a mask (N,) of the moving points ``rest`` (M,) that belong to unlabelled objects."""
     view, other = associations.view, np.zeros(len(associations.view.xyz), np.bool_)
     scene = view.xyz[ground[associations.background.static(view, ground)[0]]]
     for label in cores:
@@ -217,9 +217,10 @@ def _others(
 def _seeds(
     count: int, cores: Mapping[int, I64], every: I64, again: I64, options: BackgroundOptions
 ) -> dict[int, Mask]:
-    """Label → which of the points ``every`` (M,) of ``count`` are certainly its.
+    """Return masks by label over the points ``every`` (M,) of ``count`` that are certainly its.
 
-    Its claim, and where that is to a good part what shows ``again`` (M,), all that does.
+    They are its claim and, if a good part of the claim has reappeared, all points with its label
+    in ``again`` (M,).
     """
     seeds: dict[int, Mask] = {}
     for label, core in cores.items():
@@ -232,7 +233,7 @@ def _seeds(
 
 
 def _taken_over(view: View, found: LabelledPoints, points: I64) -> LabelledPoints:
-    """An object that has ``points`` (M,): new surface, and its claim without what it has not."""
+    """Return an object with ``points`` (M,): its claim restricted to them, and new surface."""
     own = np.zeros(len(view.xyz), np.bool_)
     own[points] = True
     claim = found.claim.pick(own[found.claim.indices])
@@ -243,10 +244,10 @@ def _taken_over(view: View, found: LabelledPoints, points: I64) -> LabelledPoint
 def _by_clothes(
     seeds: dict[int, Mask], sure: Mask, foreground: Foreground, tracks: Mapping[int, Track]
 ) -> dict[int, float]:
-    """Let clothes speak: what is clearly another's, near where that one should be, is its.
+    """Reassign points in ``seeds`` with distinct colours of a person expected nearby.
 
-    Changes ``seeds``.  Who has no seeds yet gets some under its negative number, which keep the
-    others off; gives the longest ways of those, label → metres.
+    Changes ``seeds``.  A person without seeds gets some under their negative label, to block
+    others.  Returns the longest paths (m) of these by label.
     """
     options, longest = foreground.options.body, foreground.options.search.max_growing_frames
     dressed = {n: t for n, t in tracks.items() if t.large and not t.lost}
@@ -277,8 +278,7 @@ def _by_clothes(
 
 
 def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
-    """Return those of the points ``still`` that touch the moving ones, by cells of ``size``
-    metres."""
+    """Return the points of ``still`` that touch moving ones, by cells of ``size`` metres."""
     some = moving[:: max(1, len(moving) // view.options.body.sampled_points)]
     if not len(some) or not len(still):
         return still[:0]
@@ -286,7 +286,7 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
 
 
 def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
-    """Return those of the unlabelled points that are not part of the scene that stands still."""
+    """Return the unlabelled points that are not part of the static scene."""
     away = ~close_to(other_movers.xyz, scene, apart)
     return OtherMovers(other_movers.xyz[away], other_movers.colour[away], other_movers.weight)
 
@@ -294,8 +294,7 @@ def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
 def _was_there(
     track: Track, other_movers: OtherMovers, view: View, fit: Registration, rest: I64
 ) -> Mask:
-    """Mark the points at which an unlabelled mover was, or would be had it gone along with the
-    object."""
+    """Mark the points explained by an unlabelled mover, at rest or moved along with the object."""
     step = step_of(track, fit)
     reach = np.full(len(rest), 3 * track.unit)
     return other_movers.explain(view.xyz[rest].astype(np.float64), view.colour(rest), reach, step)

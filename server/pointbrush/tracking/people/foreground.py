@@ -1,9 +1,9 @@
-"""The foreground of a frame as a graph of small cells, and how it is shared out.
+"""The foreground of a frame as a graph of small cells, and its assignment to figures.
 
-Cells that a model claims are where each figure certainly is.  A body that hangs together, surely
-before the scene, goes whole to who has theirs claims on it; where several have, and where the scene
-behind is not known, to the figure from which the way through the foreground is shortest, and a
-change of colour makes a way longer.
+Cells that a model claims certainly belong to its figure.  A connected body that is certainly in
+front of the scene is assigned as a whole to the figure with claims on it.  With several figures, or
+an unknown scene behind, each cell is assigned to the figure with the shortest path through the
+foreground; a change of colour makes a path longer.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ OTHER = -(2**20)
 class _Figures:
     """K figures that share the foreground.
 
-    ``votes`` (K, cells) points that each claims of a cell; ``far`` (K,) metres of its longest way;
-    ``clothes`` that anybody wears, and ``wears`` (K,) which of them are whose.
+    ``votes`` (K, cells) points that each claims of a cell; ``far`` (K,) its longest path (m);
+    ``clothes`` all histograms of clothes, and ``wears`` (K,) the index of each figure's histogram.
     """
 
     votes: NDArray[np.number]
@@ -42,14 +42,14 @@ class _Figures:
 
     @property
     def limit(self) -> F64:
-        """(K + 1,) metres of the longest way of no one, and of each figure."""
+        """(K + 1,) longest path (m): 0 for no figure, then of each figure."""
         return np.concatenate([[0.0], self.far])
 
     def nearest(self, ways: Paths, bare: Mask, away: F64) -> tuple[I64, F64]:
-        """(cells,) number, from 1 on, of the figure with the shortest way to each, and the way.
+        """Return (cells,) the figure with the shortest path to each cell, from 1, and the path.
 
-        0 where that is too long, or ``away`` (cells,), to what is no track's, is shorter.  No way
-        leads over ``bare`` cells.
+        The figure is 0 if the path is too long or longer than ``away`` (cells,), the path to
+        untracked points.  Paths do not cross ``bare`` cells.
         """
         way, origin = shortest_paths(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
         first = self.votes.argmax(axis=0) + 1
@@ -77,7 +77,7 @@ class Foreground:
 
     @staticmethod
     def of(view: View, indices: I64, size: float) -> Foreground:
-        """The cells, ``size`` metres, of some points of a frame."""
+        """Return the cells, ``size`` metres, of some points of a frame."""
         firm = view.firm(indices, size)
         xyz = view.xyz[indices].astype(np.float64)
         cell = cells_of(xyz, size)
@@ -95,18 +95,18 @@ class Foreground:
 
     @cached_property
     def solid(self) -> Mask:
-        """(cells,) those that are no mere outline."""
+        """(cells,) mask of cells with more than outline points."""
         return np.asarray(
             self.firm >= self.options.body.thin_share * np.median(self.count), np.bool_
         )
 
     @cached_property
     def touching(self) -> I64:
-        """(P, 2) the pairs of cells that touch."""
+        """(P, 2) pairs of touching cells."""
         return pairs(self.middle, self.options.body.touching_cells * self.size)
 
     def bodies(self, least: int) -> list[I64]:
-        """The cells of each part that hangs together, of ``least`` solid cells or more."""
+        """Return the cells of each connected component of at least ``least`` solid cells."""
         links = self.touching[self.solid[self.touching].any(axis=1)]
         part = parts(links, np.ones(len(self.count), np.bool_))
         cells = np.bincount(part, weights=self.solid)
@@ -121,12 +121,12 @@ class Foreground:
         far: Mapping[int, float],
         clothes: Mapping[int, ColourHistogram],
     ) -> I64:
-        """(M,) label of each point, 0 for none, OTHER for other moving objects.
+        """Return (M,) the label of each point, 0 for none, OTHER for other moving objects.
 
         ``cores`` label → (M,) points that are certainly its; ``outside`` (M,) points that are
-        certainly no track's, which spread too, but not over ``certain`` foreground; ``other`` (M,)
-        points of other moving objects, which spread anywhere; ``far`` label → metres of the longest
-        way; ``clothes`` label → what it wears, of all there are.
+        certainly untracked, which spread too, but not over ``certain`` foreground; ``other`` (M,)
+        points of other moving objects, which spread anywhere; ``far`` label → longest path (m);
+        ``clothes`` label → histogram of its clothes, for all people.
         """
         solid, ways = self.solid, self._ways()
         still, rival, sure = (self._mostly(points) for points in (outside, other, certain))
@@ -150,7 +150,7 @@ class Foreground:
         return result
 
     def _mostly(self, points: Mask) -> Mask:
-        """(cells,) those most of whose points are among these (M,)."""
+        """Return a mask (cells,) of cells with most of their points in ``points`` (M,)."""
         inside = np.bincount(self.cell, weights=points, minlength=len(self.count))
         return np.asarray(inside > self.options.body.majority_share * self.count)
 
@@ -161,8 +161,7 @@ class Foreground:
         far: Mapping[int, float],
         clothes: Mapping[int, ColourHistogram],
     ) -> _Figures:
-        """Return those with claims; see ``spread``.  No one's are on the ``bare`` cells
-        (cells,)."""
+        """Return the figures with claims, excluding ``bare`` cells (cells,); see ``spread``."""
         total = len(self.count)
         votes = np.stack(
             [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
@@ -172,7 +171,7 @@ class Foreground:
         return _Figures(votes, np.array([far[n] for n in cores]), list(clothes.values()), wears)
 
     def _beside(self, own: Mask) -> Mask:
-        """(cells,) those that touch the cells of a figure; all where it has none."""
+        """Return a mask of the cells that touch those of a figure; all cells if it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
         return close_to(self.middle, self.middle[own], self.options.body.touching_cells * self.size)
@@ -180,7 +179,7 @@ class Foreground:
     def _whole_bodies(self, owner: I64, figures: _Figures, ways: Paths, sure: Mask) -> None:
         """Give each connected body before the scene to the figure with claims on it.
 
-        All of it where that is one figure, else to the claim with the shorter way.
+        A single claimant gets the whole body; several share it by the shortest path.
         """
         inside = np.flatnonzero(sure)
         if not len(inside):
@@ -197,11 +196,11 @@ class Foreground:
         owner[reached] = first[origin[reached]]
 
     def _rights(self, figures: _Figures, inside: I64, part: I64) -> Mask:
-        """(K, bodies) which figures have a right to which bodies.
+        """Return a mask (K, bodies) of the bodies that each figure may have.
 
-        ``part`` (C,) is the body of each cell ``inside`` (C,).  Who has most of their claims on
-        another body has a right to this one only by most of the claims on it; no one has one that
-        is too far from where they are, or in another's clothes.
+        ``part`` (C,) is the body of each cell ``inside`` (C,).  A figure may have its main body,
+        and another one if it has most claims on it.  Bodies too far from the main one, or with
+        colours of another figure, are excluded.
         """
         options = self.options.body
         votes = figures.votes[:, inside]
@@ -226,9 +225,9 @@ class Foreground:
         return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:
-        """Give parts that no way reached to the figure beside them, where they have its colours.
+        """Assign parts that no path reached to the adjacent figure, if the colours match.
 
-        A leg behind the other one hangs together with nothing that the sensor sees.
+        A leg behind the other leg is connected to no visible surface.
         """
         options = self.options.body
         if not len(apart):
@@ -261,6 +260,6 @@ class Foreground:
 
 
 def _between(values: NDArray[np.floating], a: I64, b: I64) -> F64:
-    """Distance from each row ``a`` of (N, 3) to row ``b``."""
+    """Return the distance between rows ``a`` and ``b`` of ``values``."""
     gap = values[a] - values[b]
     return np.asarray(np.sqrt(np.einsum("ij,ij->i", gap, gap)), np.float64)

@@ -1,4 +1,4 @@
-"""People followed together in each frame."""
+"""Joint tracking of people."""
 
 from __future__ import annotations
 
@@ -31,8 +31,11 @@ from pointbrush.tracking.steps.settle import Outcome
 
 @dataclass(eq=False)
 class Group:
-    """Everybody there, in cells of ``size`` metres; ``unit`` of tolerance, ``flat`` (3, 2) is the
-    ground, ``up`` (3,) the way off it."""
+    """All people in sight, in cells of ``size`` metres.
+
+    ``unit``: tolerance (m); ``flat`` (3, 2): axes along the ground; ``up`` (3,): vertical axis;
+    ``usual``: usual number of cells of a person.
+    """
 
     options: TrackerOptions
     people: list[Person]
@@ -45,7 +48,7 @@ class Group:
 
     @staticmethod
     def of(view: View, tracks: Mapping[int, Track], background: PictureBackground) -> Group:
-        """The painted people ``tracks`` of a first frame, and who else is there."""
+        """Return the painted people ``tracks`` of a first frame and unlabelled people in it."""
         sizes = [cell_size(view, track, background) for track in tracks.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in tracks}
         unit = float(np.median([track.unit for track in tracks.values()]))
@@ -76,7 +79,7 @@ class Group:
         )
 
     def put(self, view: View, label: int, track: Track) -> None:
-        """A person is where they were painted in a frame, whatever was thought of them."""
+        """Start a person from their painted points, and replace their former state."""
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
@@ -95,13 +98,13 @@ class Group:
         self.people = sorted([*self.people, person], key=lambda f: -f.label)
 
     def drop(self, label: int) -> None:
-        """Look for a person no more; no one else is taken to be them either."""
+        """Remove a person from the search, and from other people's doubts."""
         self.people = [f for f in self.people if f.label != label]
         for person in self.people:
             person.identity.doubts.discard(label)
 
     def step(self, view: View, background: PictureBackground, free: Mask) -> dict[int, Outcome]:
-        """Share out the ``free`` points (N,) of the next frame: label → state and points (M,)."""
+        """Assign the ``free`` points (N,) of the next frame; return state and points by label."""
         self.now += 1
         self.leave_behind(background)
         observation = self._sight(view, background, free)
@@ -134,15 +137,18 @@ class Group:
         return found
 
     def leave_behind(self, background: PictureBackground) -> None:
-        """Make scenery of surface at rest that has the label of a person who has walked away."""
+        """Add static surface with a person's label to the background after they walked on."""
         for person in (f for f in self.people if f.named):
             gone = person.gone()
             if gone is not None:
                 background.left_behind(person.label, *gone)
 
     def doubt(self, observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
-        """Doubt who is found again, or much larger, where another may be, and that other, until
-        clothes or stature tell; and who is as tall as another, while they are."""
+        """Record identity doubts of a person, until clothes or stature resolve them.
+
+        A person is doubted if they reappear, or are suddenly much larger, where another person may
+        be, or while their stature equals that of another.
+        """
         options = self.options
         identity = person.identity
         others = mistakable(observation, self.people, person, self.now)
@@ -172,8 +178,10 @@ class Group:
 
 
 def dress(observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
-    """Tell a person's clothes anew where they show much that was hidden when they were told
-    last, as who was painted behind another does, and no one is there whose it may be."""
+    """Update the histogram of a person's clothes if much more of them is visible than before.
+
+    Example: a person painted behind another one.  Their cells must not touch other people's.
+    """
     options = observation.options.body
     cells = observation.cells_of(person.label)
     some, area = observation.some(cells), observation.area(cells)
@@ -187,7 +195,7 @@ def dress(observation: PersonObservation, person: Person, looks: PersonEvidence)
 
 
 def cell_size(view: View, track: Track, background: PictureBackground) -> float:
-    """Metres of a cell that is fine enough for a person."""
+    """Return the size (m) of a cell that is fine enough for a person."""
     options = view.options.body
     noise = float(np.median(background.noise(view.cells[1][view.labels[track.label]])))
     calm = min(options.cell_sigmas * noise, options.limb_share * track.span)
@@ -225,8 +233,10 @@ def _looks(
 def astray(
     observation: PersonObservation, label: int, cells: I64, expected: Mapping[int, F64]
 ) -> float:
-    """Log ratio of the distances of a person's ``cells`` (C,) on the ground: from their own
-    ``expected`` position (2,) over the nearest other's."""
+    """Return a log ratio of ground distances of ``cells`` (C,) from ``expected`` positions (2,).
+
+    It compares the person's own position with the nearest position of another person.
+    """
     options = observation.options.body
     middle = np.median(observation.ground[cells], axis=0)
     away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
@@ -238,7 +248,7 @@ def astray(
 def outcome(
     observation: PersonObservation, person: Person, looks: PersonEvidence | None
 ) -> Outcome:
-    """Conclude the state of a person in the frame, and their points."""
+    """Return the state of a person in the frame, and their points."""
     options = observation.options
     identity, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
@@ -247,7 +257,7 @@ def outcome(
         points = np.concatenate([points, observation.take_flying(points)])
     points = np.sort(points)
     if person.frames_unseen or looks is None:
-        # What shows of them is theirs, but too little to follow.
+        # The visible points are theirs, but too few to track.
         identity.confidence = max(0.0, identity.confidence - options.confidence.regain)
         lost = person.frames_unseen > options.update.lost_frames
         state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
@@ -263,37 +273,37 @@ def outcome(
 
 
 class JointTracking:
-    """The people among the ``tracks`` of a run, before a depth camera at rest or a charted scene.
+    """People among the ``tracks`` of a run, for a depth camera at rest or a mapped scene.
 
-    What they hold or pass is followed by itself, and comes first; they share what it leaves.  No
-    one is followed so whose points are too far apart to be limbs.
+    Objects that they carry or pass are tracked separately and first; people share the remaining
+    points.  Tracks too sparse to resolve limbs are not tracked jointly.
     """
 
     def __init__(
         self, tracks: Mapping[int, Track], options: TrackerOptions, *, continue_lost: bool
     ) -> None:
-        """``tracks`` are all of the run at any time; see ``TrackOptions.continue_lost``."""
+        """``tracks``: live mapping of all tracks of the run; see ``TrackOptions.continue_lost``."""
         self._tracks, self._continue_lost, self.options = tracks, continue_lost, options
         self.group: Group | None = None
 
     @property
     def labels(self) -> set[int]:
-        """Labels that are followed together."""
+        """Labels of jointly tracked people."""
         return set() if self.group is None else self.group.labels
 
     def __contains__(self, label: int) -> bool:
-        """Whether a label is followed together with others."""
+        """Return whether a label is tracked jointly with others."""
         return label in self.labels
 
     def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
-        """Begin with those of the ``labels`` of a frame that are people, where they can be."""
+        """Start joint tracking of the people among the ``labels`` of a frame, if it applies."""
         bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
         if bodies and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background)
             self._tell_clothes()
 
     def join(self, view: View, background: Background, label: int) -> None:
-        """A person who was painted in the middle of a run is followed among the others."""
+        """Add a person painted in the middle of a run to the group."""
         if self.group is None:
             self.gather(view, background, [label])
         elif self._one_of_them(self._tracks[label]):
@@ -301,21 +311,22 @@ class JointTracking:
         self._tell_clothes()
 
     def _tell_clothes(self) -> None:
-        """Let the others know what the people wear."""
+        """Give the people's colour histograms to all other tracks."""
         labels = sorted(self.labels)
         clothes = tuple(self._tracks[n].appearance for n in labels)
         for track in (t for n, t in self._tracks.items() if n not in labels):
             track.clothes = clothes
 
     def _one_of_them(self, track: Track) -> bool:
-        """Tell a person from other tracks; points too far apart are no limbs."""
+        """Return whether a track is a person dense enough to resolve limbs."""
         return track.body and track.unit < self.options.body.limb_m
 
     def carry(self, view: View, outcomes: dict[int, Outcome]) -> None:
-        """Keep up who carries each small object, and let one that is hidden go along with them.
+        """Update the carrier of each small object, and move occluded objects along with theirs.
 
-        What has left its place and touches a person is carried.  Where it is not found, and they
-        have little more than it would be, it may have been taken for theirs: they are doubted.
+        An object that has left its place and touches a person is carried.  If it is not found and
+        the carrier has few points, these may include the object: the carrier's confidence is
+        reduced.
         """
         if self.group is None:
             return
@@ -335,7 +346,7 @@ class JointTracking:
                     outcomes[carrier.label] = self._doubted(outcomes[carrier.label], track.size)
 
     def _doubted(self, bearer: Outcome, size: float) -> Outcome:
-        """The outcome of a person among whose points there may be ``size`` of what they carry."""
+        """Return a person's outcome if ``size`` of their points may be a carried object's."""
         options = self.options.body
         if size <= options.carried_size_share * len(bearer.points):
             return bearer
@@ -345,7 +356,7 @@ class JointTracking:
     def _touching(
         self, view: View, track: Track, points: I64, outcomes: Mapping[int, Outcome]
     ) -> int:
-        """Label of the person most of whose points touch those of an object, 0 for nobody."""
+        """Return the label of the person with the most points touching an object's; 0: none."""
         xyz, reach = view.xyz[points], self.options.claim.touching_units * track.unit
         lo, hi = bounds(xyz)
         best, most = 0, 0
@@ -359,9 +370,9 @@ class JointTracking:
     def step(
         self, view: View, background: Background, free: Mask, painted: Mapping[int, I64]
     ) -> dict[int, Outcome]:
-        """Label → how people fared in the next frame, but for ``painted`` ones, and their points.
+        """Return outcomes by label of the people in the next frame, except ``painted`` ones.
 
-        ``free`` (N,) are the points that they may have.
+        ``free`` (N,): points that they may have.
         """
         if self.group is None or not isinstance(background, PictureBackground):
             return {}

@@ -1,4 +1,4 @@
-"""Moving cells before a known scene, with what tells people apart there."""
+"""Moving cells in front of a known scene, with features to distinguish people."""
 
 from __future__ import annotations
 
@@ -19,9 +19,12 @@ from pointbrush.tracking.steps.claim import flying
 
 @dataclass(eq=False)
 class PersonObservation:
-    """The ``cells`` of a frame, ``flat`` (3, 2) and ``up`` (3,) the ways along and off the ground,
-    each cell with an ``owner`` (N,): a label, less than 0 for who has none, 0 for no one;
-    ``flying`` pixels (F,) that no one took are in none."""
+    """The moving ``cells`` of a frame and their owners.
+
+    ``flat`` (3, 2) and ``up`` (3,): axes along and off the ground; ``owner`` (N,): a label, below
+    0 for unlabelled people, 0 for none; ``flying`` (F,): unassigned flying pixels outside all
+    cells.
+    """
 
     view: View
     cells: Foreground
@@ -36,7 +39,7 @@ class PersonObservation:
         return self.view.options
 
     def __post_init__(self) -> None:
-        """Begin with cells that are nobody's."""
+        """Start with cells without an owner."""
         self.owner = np.zeros(len(self.cells.count), np.int64)
 
     @staticmethod
@@ -49,7 +52,7 @@ class PersonObservation:
         flat: F64,
         up: F64,
     ) -> PersonObservation:
-        """Build the cells, ``size`` metres, of the ``free`` points (N,) that are no scenery."""
+        """Return cells of ``size`` metres from the ``free`` foreground points (N,)."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
         moving = ~background.scenery(view, some, NEVER) | (background.again(view, some) != 0)
@@ -60,40 +63,40 @@ class PersonObservation:
         )
 
     def take_flying(self, points: I64) -> I64:
-        """The flying pixels (B,) at the outline of the ``points`` (M,): no one else's."""
+        """Return the flying pixels (B,) at the outline of ``points`` (M,), and remove them."""
         beside = self.view.around(points)[self.view.cells.cell[self.flying]]
         taken, self.flying = self.flying[beside], self.flying[~beside]
         return taken
 
     @cached_property
     def tints(self) -> F32 | None:
-        """(M, 3) the colour of each point; None where a recording has none."""
+        """(M, 3) colour of each point; None if the recording has none."""
         return None if self.view.frame.rgb is None else self.view.colour(self.cells.indices)
 
     @cached_property
     def ground(self) -> F64:
-        """(N, 2) where each cell is along the ground."""
+        """(N, 2) position of each cell on the ground."""
         return np.asarray(self.cells.middle @ self.flat)
 
     @cached_property
     def bodies(self) -> I64:
-        """(N,) number of what each solid cell hangs together with, -1 for the others."""
+        """(N,) connected component of each solid cell, -1 for other cells."""
         return np.asarray(parts(self.cells.touching, self.cells.solid))
 
     @cached_property
     def links(self) -> Paths:
-        """From each cell to the solid ones that touch it, and how much it agrees with them."""
+        """Links from each cell to touching solid cells, weighted by the similarity of colours."""
         one, other = self.cells.touching.T
         change = np.linalg.norm(self.cells.colour[one] - self.cells.colour[other], axis=1)
         agree = np.exp(-change / self.options.body.colour_change).astype(np.float64)
         return paths_into(self.cells.touching, agree, self.cells.solid)
 
     def cells_of(self, label: int) -> I64:
-        """The solid cells of an owner."""
+        """Return the solid cells of an owner."""
         return np.flatnonzero((self.owner == label) & self.cells.solid)
 
     def touching_others(self, cells: I64, label: int) -> float:
-        """Share of an owner's ``cells`` (C,) that touch anybody else's."""
+        """Return the share of an owner's ``cells`` (C,) that touch cells of other people."""
         one, other = self.cells.touching.T
         whose = self.owner[one], self.owner[other]
         apart = (whose[0] != whose[1]) & (whose[0] != 0) & (whose[1] != 0)
@@ -128,36 +131,36 @@ class PersonObservation:
         return float(np.linalg.norm(np.std(self.ground[cells], axis=0)))
 
     def area(self, cells: I64) -> float:
-        """Surface shown by the ``cells`` (C,), in pixels at a metre."""
+        """Return the visible surface of the ``cells`` (C,), in pixels at a distance of 1 m."""
         return float(self.areas[cells].sum())
 
     @cached_property
     def areas(self) -> F64:
-        """(N,) the same of each cell."""
+        """(N,) visible surface of each cell; see ``area``."""
         _, depth = self.view.project(self.cells.middle)
         return np.asarray(self.cells.count * depth**2)
 
     def unlike(self, appearance: ColourHistogram) -> F64:
-        """(N,) how much rarer the colours of each cell are than usual ones among those worn.
+        """Return (N,) by how much a cell's mean log likelihood of clothes is below the usual one.
 
-        0 where the recording has no colours.
+        It is 0 if the recording has no colours.
         """
         if self.tints is None:
             return np.zeros(len(self.owner))
         return self.mean(appearance.usual - appearance.each(self.tints))
 
     def mean(self, each: F32 | F64) -> F64:
-        """(N,) the mean over the points (M,) of each cell."""
+        """Return (N,) the mean of values (M,) over the points of each cell."""
         sums = np.bincount(self.cells.cell, weights=each, minlength=len(self.owner))
         return np.asarray(sums / self.cells.count)
 
     def shows(self, world: F64) -> Mask:
-        """Mark the positions (M, 3) that lie in the picture with nothing before them."""
+        """Return a mask of the positions (M, 3) inside the picture that are not occluded."""
         at, depth = self.view.project(world)
         return np.asarray((self.view.depth[at] > depth - self.options.body.before_m) & (at >= 0))
 
     def smooth(self, each: F64) -> F64:
-        """(N,) the mean of ``each`` cell's value and those of the ones that it touches."""
+        """Return (N,) the mean of ``each`` cell's value and its neighbours' values."""
         one, other = self.cells.touching.T
         sums = each.copy()
         np.add.at(sums, one, each[other])
@@ -167,7 +170,7 @@ class PersonObservation:
         )
 
     def some(self, cells: I64) -> F32 | None:
-        """Colours (S, 3) of some of the points of the ``cells`` (C,)."""
+        """Return colours (S, 3) of a sample of the points of the ``cells`` (C,)."""
         if self.tints is None:
             return None
         mask = np.zeros(len(self.owner), np.bool_)

@@ -1,4 +1,4 @@
-"""A person who is followed, and the confidence in them."""
+"""A tracked person and their confidence."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ from pointbrush.tracking.people.stature import Stature, top_of
 
 @dataclass(frozen=True, slots=True)
 class PersonEvidence:
-    """``fit`` mean cost of the cells; ``disputed`` share that are hardly less another's; ``size``
-    and ``change`` number of cells over the most and over the last; ``shown`` share of the surface
-    that nothing hides; ``like`` how like the clothes, a mean logarithm over the usual; ``back``
-    whether nothing was seen in the frame before; ``touching`` share of the cells that touch
-    another's, since a border through a body may be anywhere; ``wider`` metres by which they are
-    spread along the ground more than one person is, since they may be those of two; ``astray`` how
-    much farther they are from where they were expected than from where another was, a logarithm.
+    """Features of a person's cells in a frame.
+
+    ``fit``: mean cost; ``disputed``: share with a nearly equal cost for another person; ``size``
+    and ``change``: number over the maximum and over the last frame's; ``shown``: visible share of
+    the surface; ``like``: mean log likelihood of clothes over the usual one; ``back``: unseen in
+    the last frame; ``touching``: share that touches another person, because a border through a body
+    is uncertain; ``wider``: metres of spread on the ground beyond one person's, a sign of two
+    people; ``astray``: log ratio of the distances from the expected and another's position.
     """
 
     fit: float
@@ -39,7 +40,7 @@ class PersonEvidence:
     astray: float
 
     def features(self, options: TrackerOptions) -> dict[str, float]:
-        """Compute the features that have weights, by name."""
+        """Return the features with weights, by name."""
         limits = options.confidence
         return {
             "fit": self.fit,
@@ -54,7 +55,7 @@ class PersonEvidence:
         }
 
     def likelihood(self, options: TrackerOptions) -> float:
-        """0..1, of this frame by itself."""
+        """Return the likelihood, 0 to 1, of this frame alone."""
         learnt = options.person_confidence
         odds = learnt.weights.odds(self.features(options)) + learnt.offset
         return squashed(odds)
@@ -62,16 +63,14 @@ class PersonEvidence:
 
 @dataclass(eq=False)
 class Identity:
-    """Identity of a person, wherever they are: it goes along with a ``label``, less than 0 for who
-    has none, when two have changed places.
+    """Identity of a person, which moves with the label when two people are exchanged.
 
-    ``appearance`` their clothes, None where they were not seen; ``first`` the cells they came with;
-    ``with_flying`` whether the flying pixels at their outline are theirs; ``stature`` how tall they
-    are; ``confidence`` their last one; ``returned`` whether they left the picture since they were
-    painted, so that they may be somebody else; ``doubts`` whom they may be as well, by label;
-    ``sure`` the last frame in which they were surely themselves; ``colours`` (M, 3) those by which
-    their clothes are told, and ``shown`` how much of them they are of, as ``Observation.area`` says
-    it.
+    ``label``: below 0 for unlabelled people; ``appearance``: their clothes, None if unseen;
+    ``first``: number of cells at the start; ``with_flying``: whether flying pixels at the outline
+    are theirs; ``returned``: whether they left the picture since they were painted and may be
+    another person; ``doubts``: labels of people they may be instead; ``sure``: last frame with a
+    certain identity; ``colours`` (M, 3): samples of ``appearance``; ``shown``: visible surface of
+    these, see ``PersonObservation.area``.
     """
 
     options: TrackerOptions
@@ -88,28 +87,26 @@ class Identity:
     shown: float = 0.0
 
     def __post_init__(self) -> None:
-        """Begin without a measured stature."""
+        """Start without a measured stature."""
         self.stature = Stature(self.options.stature)
 
     def show(self, colours: F32, area: float) -> None:
-        """So much of them shows as never before: what they wear has also these ``colours`` (M,
-        3)."""
+        """Add ``colours`` (M, 3) of the largest visible surface so far to their clothes."""
         self.colours, self.shown = np.vstack([self.colours, colours]), area
         self.appearance = ColourHistogram.of(self.colours, self.options.appearance)
 
 
 @dataclass(eq=False)
 class Person:
-    """An ``identity``; ``xyz`` (S, 3) and ``colour`` of their surface.
+    """An ``identity`` with the surface ``xyz`` (S, 3) and its ``colour``.
 
-    ``since`` the frame they came in, ``back`` the one they came back in; ``step`` (3,) metres in
-    the last frame, ``went`` (3,) since the start; ``size`` the most cells they had, ``last`` in the
-    last frame; ``area`` the most that showed of them; ``spread`` how far along the ground they were
-    where they were painted; ``at_side`` whether they touched a side of the picture when they were
-    last seen; ``missing`` frames since they were seen; ``well`` the last in which more than scraps
-    of them were, ``known`` (S, 3) their surface then; ``mistaken`` frames in which they and another
-    were dressed as each other; ``ways`` (2,) along the ground up to each of the last frames, all of
-    which show them.
+    ``since``: first frame; ``back``: frame of the last reappearance; ``step`` (3,): metres in the
+    last frame; ``went`` (3,): metres since the start; ``size``: maximum number of cells; ``last``:
+    their number in the last frame; ``area``: maximum visible surface; ``spread``: spread on the
+    ground (m) when painted; ``at_side``: whether they touched a side of the picture when last seen;
+    ``missing``: frames since then; ``well``: last frame with more than scraps of them; ``known``
+    (S, 3): their surface in it; ``mistaken``: consecutive frames with clothes exchanged with
+    another person; ``ways`` (2,): positions on the ground in the last frames.
     """
 
     options: TrackerOptions
@@ -133,7 +130,7 @@ class Person:
     ways: deque[F64] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Begin with the first cells as the most so far."""
+        """Start with the first cells as the maximum."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
         self.well, self.known = self.since, self.xyz
         self.ways = deque(maxlen=self.options.body.way_frames)
@@ -147,23 +144,23 @@ class Person:
         now: int,
         appearance: ColourHistogram | None = None,
     ) -> Person:
-        """A person whose surface ``xyz`` (S, 3) and ``colour`` is first seen in frame ``now``."""
+        """Return a person with the surface ``xyz`` (S, 3), ``colour`` first seen in ``now``."""
         return Person(
             options, Identity(options, label, appearance, float(len(xyz)), now), xyz, colour, now
         )
 
     @property
     def label(self) -> int:
-        """Label of their points; less than 0 for people without one."""
+        """Label of their points; below 0 for unlabelled people."""
         return self.identity.label
 
     @property
     def named(self) -> bool:
-        """Whether they have a label."""
+        """Whether they have a label of the run."""
         return self.label > 0
 
     def elsewhere(self, observation: PersonObservation, now: int) -> bool:
-        """Whether they may be where they were not expected: too little of them was there, or is."""
+        """Return whether they may be at an unexpected place, as too little of them is visible."""
         return (
             self.well < now - 1
             or observation.area(observation.cells_of(self.label))
@@ -171,29 +168,31 @@ class Person:
         )
 
     def likeness(self, colour: F32 | None) -> float:
-        """Mean log likelihood of the colours (M, 3) by their clothes, over that of their own; 0
-        without any."""
+        """Return the mean log likelihood of colours (M, 3) for their clothes over the usual one.
+
+        It is 0 without colours.
+        """
         appearance = self.identity.appearance
         if colour is None or appearance is None or not len(colour):
             return 0.0
         return appearance.likeness(colour) - appearance.usual
 
     def top(self, observation: PersonObservation) -> float | None:
-        """Metres up to the top of what they have, where that is seen."""
+        """Return the height (m) of the top of their cells; None if it is not visible."""
         return top_of(observation, np.flatnonzero(observation.owner == self.label), self.area)
 
     def measure(self, top: float | None) -> None:
-        """Take a top (m) that is surely their for how tall they are."""
+        """Add a measured top (m) to their stature; None: ignored."""
         if top is not None:
             self.identity.stature.tops.append(top)
 
     def doubt(self, other: Person) -> None:
-        """They may be the other, and the other they."""
+        """Record that the two people may be exchanged."""
         self.identity.doubts.add(other.label)
         other.identity.doubts.add(self.label)
 
     def become(self, other: Person) -> None:
-        """Change places with another: each is themselves, where the other was thought to be."""
+        """Exchange identities with another person."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
         self.went, other.went = other.went - apart, self.went + apart
         self.identity, other.identity = other.identity, self.identity
@@ -202,7 +201,7 @@ class Person:
         self.mistaken = other.mistaken = 0
 
     def follow(self, observation: PersonObservation, step: F64, now: int) -> None:
-        """Take in the cells they have in a frame, ``step`` (3,) metres on."""
+        """Update the person from their cells in a frame, after a ``step`` (3,) in metres."""
         options = self.options.body
         cells = observation.cells_of(self.label)
         if len(cells) < max(options.seen_min_cells, options.seen_min_share * self.size):
@@ -211,7 +210,7 @@ class Person:
         hidden = self._hidden(observation, cells, step)
         ground = observation.ground[cells]
         away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
-        # The median of what lies apart may be where nothing is.
+        # The median of separate parts may lie in empty space; use the cell closest to it.
         core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < options.memory_m]
         self.xyz = np.vstack([observation.cells.middle[core], (self.xyz + step)[hidden]])
         self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
@@ -229,7 +228,7 @@ class Person:
         self.went = self.went + step
         self.last = len(cells)
         self.size = max(options.most_decay * self.size, float(self.last))
-        # Of what is no one, many cells may hold a few points each.
+        # Cells without surface of a person may be many, with a few points each.
         area = observation.area(cells)
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
@@ -239,7 +238,7 @@ class Person:
         self.ways.append(self.went @ observation.flat)
 
     def gone(self) -> tuple[int, float] | None:
-        """Frames within which they have gone so far that all of them has moved, and how far (m)."""
+        """Return the frames and distance (m) in which all of them moved; None: they did not."""
         options = self.options.body
         for frames, way in enumerate(reversed(self.ways)):
             far = float(np.linalg.norm(way - self.ways[-1]))
@@ -248,7 +247,7 @@ class Person:
         return None
 
     def _hide(self) -> None:
-        """Go on unseen, ever slower."""
+        """Predict the person while occluded, with decreasing speed."""
         self.frames_unseen += 1
         self.last = 0
         self.ways.clear()
@@ -256,7 +255,7 @@ class Person:
         self.step = self.options.body.hidden_step_share * self.step
 
     def _hidden(self, observation: PersonObservation, cells: I64, step: F64) -> I64:
-        """The cells of their surface that something hides now."""
+        """Return the indices of their surface that are occluded now."""
         options = self.options.body
         if self.frames_unseen:
             return np.empty(0, np.int64)

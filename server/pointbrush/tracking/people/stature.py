@@ -1,6 +1,6 @@
-"""The vertical, the stature of people, and heads of people who touch.
+"""Vertical axis, stature of people, and heads of touching people.
 
-Bodies that touch are told apart by what lies beneath each head.
+Touching bodies are separated by the cells beneath each head.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from pointbrush.tracking.sensors.view import View
 
 
 def across(view: View, people: Iterable[F64]) -> F64:
-    """(3, 2) directions along the ground, to the right and ahead of the sensor.
+    """Return (3, 2) directions along the ground, to the right and ahead of the sensor.
 
-    People (M, 3) each are longest upright; where they are not, the image's rows tell.
+    The vertical is the longest axis of the people (M, 3); if it leans too much, the axis of the
+    image's columns is used.
     """
     spread = np.zeros((3, 3))
     for xyz in people:
@@ -39,11 +40,11 @@ def across(view: View, people: Iterable[F64]) -> F64:
 
 
 def upright(view: View, flat: F64) -> F64:
-    """(3,) the way up to a fraction of a degree: the normal of the floor, or of a table or ceiling,
-    of all that is level the one that most lies on; where none is seen, off the ways along the
-    ground ``flat`` (3, 2).
+    """Return the vertical (3,), accurate to a fraction of a degree.
 
-    Source: consensus as of Fischler and Bolles 1981, of planes through small patches.
+    It is the normal of the level plane with the most points: a floor, table or ceiling.  If there
+    is none, it is perpendicular to the directions ``flat`` (3, 2) along the ground.
+    Source: consensus (Fischler and Bolles 1981) of planes through small patches.
     """
     options = view.options.stature
     up = np.cross(flat[:, 0], flat[:, 1])
@@ -61,7 +62,7 @@ def upright(view: View, flat: F64) -> F64:
 
 
 def _patches(xyz: F64, up: F64, options: StatureOptions) -> Iterable[F64]:
-    """The points (N, 3) about the plane of each patch that is level, roughly."""
+    """Yield the points (N, 3) near the plane of each roughly level patch."""
     patch = cells_of(xyz, options.patch_m)
     count = np.bincount(patch)
     order = np.split(np.argsort(patch, kind="stable"), np.cumsum(count)[:-1])
@@ -73,26 +74,28 @@ def _patches(xyz: F64, up: F64, options: StatureOptions) -> Iterable[F64]:
 
 
 def _plane(xyz: F64) -> tuple[F64, F64]:
-    """The normal (3,) of a plane through points (N, 3), and their variances (3,), least first."""
+    """Return the normal (3,) of a plane through points (N, 3), and ascending variances (3,)."""
     spread, axes = np.linalg.eigh(np.cov(xyz.T))
     return axes[:, 0], spread
 
 
 @dataclass(eq=False)
 class Stature:
-    """The ``tops`` measured so far, in metres along the way up from any one place."""
+    """Measured ``tops`` of a person, in metres along the vertical from a fixed origin."""
 
     options: StatureOptions
     tops: list[float] = field(default_factory=list)
 
     @property
     def known(self) -> bool:
-        """Whether there were enough measurements."""
+        """Whether there are enough measurements."""
         return len(self.tops) >= self.options.min_tops
 
     def likelihood(self, top: float) -> float:
-        """Logarithm of the density of a measured top, over that of any within the range; 0 while
-        the stature is not known."""
+        """Return the log density of a measured top over a uniform one in the range.
+
+        It is 0 while the stature is unknown.
+        """
         options = self.options
         if not self.known:
             return 0.0
@@ -105,13 +108,15 @@ class Stature:
 
 
 def ratio(top: float | None, one: Stature, other: Stature) -> float:
-    """Logarithm of how much likelier a top is one's than another's; 0 where none is seen."""
+    """Return the log likelihood ratio of a top for two statures; 0 without a top."""
     return 0.0 if top is None else one.likelihood(top) - other.likelihood(top)
 
 
 def top_of(observation: PersonObservation, cells: I64, area: float) -> float | None:
-    """Metres up to the top of the ``cells`` (C,) of a person of whom an ``area`` showed at most;
-    None where it is not seen that they end there."""
+    """Return the height (m) of the top of a person's ``cells`` (C,).
+
+    ``area``: maximum visible surface of the person.  None: the end of the cells may be occluded.
+    """
     options = observation.options.stature
     mask = np.zeros(len(observation.owner), np.bool_)
     mask[cells] = True
@@ -140,9 +145,11 @@ def top_of(observation: PersonObservation, cells: I64, area: float) -> float | N
 def beneath_heads(
     observation: PersonObservation, cells: I64, least: float, area: float
 ) -> list[tuple[I64, I64]]:
-    """Of a person's ``cells`` (C,) those of one and of the other of two people, either way round;
-    none where they are not two people's of ``least`` cells or more, each seen to end above;
-    ``area`` showed of them at most."""
+    """Return splits of a person's ``cells`` (C,) into two people, in both orders.
+
+    Each part has at least ``least`` cells and a visible top; otherwise the list is empty.
+    ``area``: maximum visible surface of the person.
+    """
     options = observation.options.body
     some = np.zeros(len(observation.owner), np.bool_)
     some[cells] = True
@@ -164,7 +171,7 @@ def beneath_heads(
 
 @compiled
 def _highest_beside(cell: int, links: Paths, peak: I64, root: I64, height: F64) -> int:
-    """Highest peak that a neighbour of a cell is beneath; -1 where none is beneath any."""
+    """Return the highest peak above a neighbour of a cell; -1 if there is none."""
     highest = -1
     for n in range(links.start[cell], links.start[cell + 1]):
         if peak[links.end[n]] >= 0:
@@ -176,8 +183,10 @@ def _highest_beside(cell: int, links: Paths, peak: I64, root: I64, height: F64) 
 
 @compiled
 def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> I64:
-    """(N,) the peak that each of the cells ``order`` (C,), highest first, is beneath, -1 for the
-    others; a peak that stands out by less than ``least`` metres is a part of the one it meets."""
+    """Return (N,) the peak above each of the cells ``order`` (C,), highest first; -1: others.
+
+    A peak that stands out by less than ``least`` metres is merged into the adjacent one.
+    """
     peak, root = np.full(len(height), -1), np.arange(len(height))
     for i in order:
         highest = _highest_beside(i, links, peak, root, height)

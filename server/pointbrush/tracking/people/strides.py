@@ -1,4 +1,4 @@
-"""Strides of people, and the probability that a cell is theirs."""
+"""Strides of people, and the probability of a cell to be theirs."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.sensors.camera import I32, Pixels, pixel
 
 GRID = (np.arange(13) - 6) / 2
-"""Deviations that are tried each way."""
+"""Candidate offsets along each axis, in standard deviations."""
 
 
 class Picture(NamedTuple):
-    """Depth image of a frame for compiled loops: ``depth`` (cells + 1,), ``loose`` (cells + 1,)
-    pixels that some person may have, and ``point`` (cells + 1,) of the ``tints`` (M, 3), none where
-    there are no colours, that each of these shows."""
+    """Depth image of a frame for compiled loops.
+
+    ``depth`` (cells + 1,); ``loose`` (cells + 1,): pixels available to people; ``point``
+    (cells + 1,): index into the colours ``tints`` (M, 3), which are empty without colour.
+    """
 
     lens: Pixels
     T_lens_world: F64
@@ -37,7 +39,7 @@ class Picture(NamedTuple):
 
 
 class PixelCosts(NamedTuple):
-    """Costs of a pixel, and lengths and colours within which they hold: see ``StrideOptions``."""
+    """Costs of a pixel, and the distances of depth and colour they apply to: ``StrideOptions``."""
 
     same_depth_m: np.float32
     hidden: float
@@ -48,7 +50,7 @@ class PixelCosts(NamedTuple):
 
 
 def strides(observation: PersonObservation, people: Sequence[Person]) -> F64:
-    """(K, 3) metres that each person has gone."""
+    """Return (K, 3) the stride of each person in metres."""
     view, cells = observation.view, observation.cells
     point = np.full(len(view.depth), -1, np.int32)
     point[view.cells.cell[cells.indices]] = np.arange(len(cells.indices), dtype=np.int32)
@@ -74,7 +76,7 @@ def _stride(observation: PersonObservation, person: Person, picture: Picture) ->
         right[:, None] * observation.flat[:, 0] + ahead[:, None] * observation.flat[:, 1]
     )
     some = slice(None, None, max(1, len(person.xyz) // options.sampled_cells))
-    # Contiguous however many there are, so that the loop is compiled for one layout.
+    # Always contiguous, so that the loop is compiled for one layout.
     xyz, colour = np.ascontiguousarray(person.xyz[some]), np.ascontiguousarray(person.colour[some])
     costs = PixelCosts(
         np.float32(options.same_depth_m),
@@ -94,7 +96,7 @@ def _stride(observation: PersonObservation, person: Person, picture: Picture) ->
 def _mean_costs(
     picture: Picture, xyz: F64, colour: F32, tried: F64, costs: PixelCosts, nearest_m: float
 ) -> F64:
-    """(T,) what the surface (M, 3) costs a pixel, moved by each of the steps ``tried`` (T, 3)."""
+    """Return (T,) mean pixel costs of the surface (M, 3) moved by the steps ``tried`` (T, 3)."""
     result = np.zeros(len(tried))
     for t in range(len(tried)):
         for i in range(len(xyz)):
@@ -108,7 +110,7 @@ def _mean_costs(
 
 @compiled
 def _cost(picture: Picture, cell: int, depth: np.float32, colour: F32, costs: PixelCosts) -> float:
-    """Cost of surface of a ``colour`` (3,) at a ``depth`` of a ``cell``."""
+    """Return the cost of surface of a ``colour`` (3,) at a ``depth`` of a ``cell``."""
     if cell < 0:
         return costs.hidden
     if np.isnan(picture.depth[cell]):
@@ -131,13 +133,13 @@ def _cost(picture: Picture, cell: int, depth: np.float32, colour: F32, costs: Pi
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shares:
-    """``stride`` (K, 3) metres of each person; ``cost`` (N, K) of a cell to be theirs."""
+    """``stride`` (K, 3): metres of each person; ``cost`` (N, K): cost of a cell to be theirs."""
 
     stride: F64
     cost: F64
 
     def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
-        """Share of a person's cells that hardly less are another's."""
+        """Return the share of a person's cells with a nearly equal cost for another person."""
         others = np.delete(self.cost[cells], who, axis=1)
         if not others.shape[1] or not len(cells):
             return 0.0
@@ -145,7 +147,7 @@ class Shares:
 
 
 def shared_out(observation: PersonObservation, people: Sequence[Person], stride: F64) -> Shares:
-    """Give the cells of an ``observation`` owners, mending the strides (K, 3) by who has what."""
+    """Assign owners to the cells of an ``observation``, and refine the strides (K, 3) by them."""
     options = observation.options.step
     clothes = _clothes(observation, people)
     steps = [float(np.linalg.norm(f.step)) for f in people if not f.frames_unseen]
@@ -186,7 +188,7 @@ def shared_out(observation: PersonObservation, people: Sequence[Person], stride:
 
 
 def _clothes(observation: PersonObservation, people: Sequence[Person]) -> F64:
-    """(N, K) what the colours of each cell cost."""
+    """Return (N, K) colour costs of each cell."""
     options = observation.options.step
     cost = np.zeros((len(observation.owner), len(people)))
     for k, person in enumerate(people):
@@ -204,7 +206,7 @@ def _clothes(observation: PersonObservation, people: Sequence[Person]) -> F64:
 
 @dataclass(frozen=True, eq=False)
 class _Surface:
-    """A person's surface of the last frame, to be searched in units of ``within`` metres."""
+    """A person's surface in the last frame, with a search tree in units of ``within`` metres."""
 
     person: Person
     within: float
@@ -226,7 +228,7 @@ class _Surface:
 def _surface_costs(
     observation: PersonObservation, surface: _Surface, stride: F64
 ) -> tuple[F64, I64]:
-    """(N,) what it costs each cell to be their there, and their cell next to it, -1 for none."""
+    """Return (N,) the cost of each cell to be theirs, and its nearest surface point; -1: none."""
     options = observation.options.step
     own, person = surface.own, surface.person
     seen = (observation.cells.middle - stride) / surface.within
@@ -255,10 +257,10 @@ def _mended(
     near: I64,
     swing: float,
 ) -> F64:
-    """(3,) how far off a stride is, by the cells they have and by the surface they should show.
+    """Return the correction (3,) of a stride, by a person's cells and expected visible surface.
 
-    ``near`` (N,) number of the point of their surface that each cell is nearest to, -1 for those
-    that they have not; ``chance`` (N,) of each to be theirs; ``swing`` metres by which limbs move.
+    ``near`` (N,): nearest surface point of each of their cells, -1 for other cells; ``chance``
+    (N,): probability of each to be theirs; ``swing``: metres of motion of limbs.
     """
     options = observation.options
     cells = np.flatnonzero((near >= 0) & observation.cells.solid)
@@ -280,7 +282,7 @@ def _mended(
 
 
 def _leave(observation: PersonObservation, cost: F64, chance: F64) -> None:
-    """Free the bodies and cells that hardly fit anybody: they are no track's yet."""
+    """Release the bodies and cells that fit no person well."""
     options = observation.options.step
     inside = observation.bodies >= 0
     explained = cost < options.fitting_cap_share * options.cap
@@ -294,7 +296,7 @@ def _leave(observation: PersonObservation, cost: F64, chance: F64) -> None:
 
 
 def _drop(observation: PersonObservation, person: Person, stride: F64) -> None:
-    """Take from a person what lies apart from the rest of it, and not where they should be."""
+    """Release parts of a person that are disconnected and away from the expected position."""
     options = observation.options
     cells = np.flatnonzero(observation.owner == person.label)
     if len(cells) < options.body.seen_min_cells:
