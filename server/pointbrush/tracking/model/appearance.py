@@ -1,4 +1,4 @@
-"""Appearance of an object: a histogram of the colours it showed where it was painted."""
+"""Appearance of an object: a histogram of its colours in the painted frame."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from pointbrush.tracking.options.tracks import AppearanceOptions
 BIN = 0.028
 """Width of a bin, in the units of ``View.colour``."""
 LIKE = 3
-"""Bins, each way, over which colours are alike."""
+"""Width, in bins along each axis, of the neighbourhood of similar colours."""
 LOW, SHAPE = (-1.72, -2.04, 0.0), (124, 146, 11)
-"""Least of each channel of ``View.colour``, and bins along each, the last of them brightness."""
+"""Minimum and number of bins of each channel of ``View.colour``; the last is brightness."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ColourHistogram:
-    """``common`` (bins,): the share of an object's points of about that colour.
+    """``common`` (bins,): share of an object's points with a similar colour.
 
-    ``hues`` (bins,): the same, however bright; ``usual``: how like itself it is, as ``likeness``
-    says it; ``alone`` (bins,): the colours that are common here and hardly anywhere else.
+    ``hues`` (bins,): the same at any brightness; ``usual``: ``likeness`` of its own colours;
+    ``alone`` (bins,): mask of colours that are common here and rare elsewhere.
     """
 
     options: AppearanceOptions
@@ -37,7 +37,7 @@ class ColourHistogram:
 
     @staticmethod
     def of(colour: F32, options: AppearanceOptions) -> ColourHistogram:
-        """Of the colours (M, 3) of an object's points, as ``View.colour`` gives them."""
+        """Return the histogram of an object's colours (M, 3); see ``View.colour``."""
         count = np.bincount(_bins(colour), minlength=int(np.prod(SHAPE)))
         share = (count / max(len(colour), 1)).astype(np.float32).reshape(SHAPE)
         common = LIKE**3 * uniform_filter(share, LIKE, mode="constant").ravel()
@@ -50,7 +50,7 @@ class ColourHistogram:
         return ColourHistogram(options, common, hues, usual, np.zeros(len(common), np.bool_))
 
     def apart_from(self, others: Iterable[ColourHistogram]) -> ColourHistogram:
-        """The same, with the colours told that are its alone among ``others``."""
+        """Return a copy with ``alone`` set to the colours that are rare in ``others``."""
         options = self.options
         alone = self.common > options.common_share
         for other in others:
@@ -58,23 +58,25 @@ class ColourHistogram:
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
-        """The same, where a colour is its alone only if more of its ``size`` points have about that
-        colour than of the points with the colours (M, 3)."""
+        """Return a copy with ``alone`` restricted to colours that more of its points have.
+
+        The numbers of its ``size`` points and of points with the colours (M, 3) are compared.
+        """
         other = ColourHistogram.of(colour, self.options)
         return replace(self, alone=self.alone & (size * self.common > len(colour) * other.common))
 
     def each(self, colour: F32) -> F32:
-        """(M,) logarithm of how common each of the colours (M, 3) is."""
+        """Return (M,) the log share of each of the colours (M, 3)."""
         return np.asarray(
             np.log(self.common[_bins(colour)] + self.options.absent_share), np.float32
         )
 
     def likeness(self, colour: F32) -> float:
-        """Mean logarithm of how common the colours (M, 3) are."""
+        """Return the mean log share of the colours (M, 3)."""
         return float(self.each(colour).mean()) if len(colour) else -np.inf
 
     def unlike(self, colour: F32) -> bool:
-        """Whether the colours (M, 3) are much rarer here than its own usually are."""
+        """Return whether the colours (M, 3) are much rarer here than its own usually are."""
         return self.likeness(colour) < self.usual - self.options.rarer_log
 
     def rather(self, colour: F32) -> Mask:
@@ -98,7 +100,7 @@ class ColourHistogram:
         return np.asarray(self.hues[_bins(colour) // SHAPE[2]] <= self.options.strange_share)
 
     def share(self, colour: F32) -> float:
-        """Share of the colours (M, 3) that have their like."""
+        """Return the share of the colours (M, 3) with a similar colour here."""
         return (
             float((self.common[_bins(colour)] > self.options.absent_share).mean())
             if len(colour)
@@ -108,7 +110,7 @@ class ColourHistogram:
 
 @compiled
 def _at(colour: F32) -> I64:
-    """(M, 3) bin of each of the colours along each channel."""
+    """Return (M, 3) the bin of each of the colours along each channel."""
     at = np.empty(colour.shape, np.int64)
     for i in range(len(colour)):
         for a in range(3):
@@ -119,13 +121,13 @@ def _at(colour: F32) -> I64:
 
 @compiled
 def _bins(colour: F32) -> I64:
-    """(M,) number of the bin of each of the colours (M, 3)."""
+    """Return (M,) the bin number of each of the colours (M, 3)."""
     return _flat(_at(colour))
 
 
 @compiled
 def _flat(at: I64) -> I64:
-    """(M,) number of each of the bins (M, 3)."""
+    """Return (M,) the number of each of the bins (M, 3)."""
     number = np.empty(len(at), np.int64)
     for i in range(len(at)):
         number[i] = (at[i, 0] * SHAPE[1] + at[i, 1]) * SHAPE[2] + at[i, 2]

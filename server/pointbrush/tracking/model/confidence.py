@@ -1,8 +1,8 @@
 """Confidence: probability of a good label, learnt on generated recordings.
 
-A logistic regression on what a fit says about itself, on table-top, juggling, walking and lidar
-recordings: whether IoU is above 0.8.  Weights and offsets are scaled so that above 0.9 nearly all
-are good, and nearly all that went wrong are under 0.5.  Source: docs/tracking.md.
+It is a logistic regression of an IoU above 0.8 on features of a fit, for table-top, juggling,
+walking and lidar recordings.  Weights and offsets are scaled so that nearly all labels above 0.9
+are good, and nearly all wrong labels are below 0.5.  Source: docs/tracking.md.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ import numpy as np
 from pointbrush.tracking.options.confidence import ConfidenceOptions
 
 RATIO_LEAST = 1e-3
-"""Ratio of which the logarithm is taken at least."""
+"""Minimum ratio for logarithms."""
 MOST_LOG_ODDS = 30.0
-"""Log odds beyond which a probability is 0 or 1: keeps its exponential finite."""
+"""Limit of log odds, to keep the exponential finite."""
 
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
     """Features of a registered track, from which its confidence is computed.
 
-    ``inliers`` share of the visible model matched; ``sure`` share of points on well confirmed
-    surface; ``gap`` and ``cost`` mean distances to the model in place, and in place and colour, in
-    reaches; ``fit`` cost of the registration; ``size`` and ``change`` number of points over the
-    most and over the last; ``grown`` share of points that the model does not explain; ``isolated``
-    whether the object moves alone; ``share`` of the moving points around; ``appearance`` how much
-    less like what it wore a large object looks, a mean logarithm, 0 or less; ``usual`` what
-    ``cost`` mostly was where the object was alone in the air; ``points`` their number; ``pixels``
-    whether the sensor has a pixel grid; ``scans`` whether it is a lidar; ``soft`` whether the
-    object bends; ``left`` and ``others`` points that move beside it and are
-    no track's, and another's, over its own; ``tall`` its height over its model's; ``bend`` share
-    that one motion does not explain; ``coarse`` its unit, over its radius.
+    ``inliers``: matched share of the visible model; ``sure``: share of points on well confirmed
+    surface; ``gap`` and ``cost``: mean distances to the model in position, and in position and
+    colour, in reaches; ``fit``: cost of the registration; ``size`` and ``change``: number of points
+    over the maximum and over the last; ``grown``: share of points that the model does not explain;
+    ``isolated``: whether the object moves alone; ``share``: share of the moving points around;
+    ``appearance``: mean log ratio, 0 or less, of a large object's colours to its painted ones;
+    ``usual``: usual ``cost`` while the object was alone in the air; ``points``: their number;
+    ``pixels``: whether the sensor has a pixel grid; ``scans``: whether it is a lidar; ``soft``:
+    whether the object bends; ``left`` and ``others``: ratios of adjacent moving points, unassigned
+    and of other tracks, to its own; ``tall``: its height over its model's; ``bend``: share that one
+    motion does not explain; ``coarse``: its unit over its radius.
     """
 
     inliers: float
@@ -60,7 +60,7 @@ class Evidence:
 
 
 def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOptions) -> float:
-    """0..1, of this frame by itself; ``body``: of a large object before a known scene."""
+    """Return the likelihood, 0 to 1, of this frame alone; ``body``: large, in a known scene."""
     if evidence.coarse >= options.pointlike_ratio:
         return 0.0
     features = _features(evidence, options)
@@ -78,7 +78,7 @@ def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOpt
 
 
 def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float]:
-    """Compute the features that have weights, by name."""
+    """Return the features with weights, by name."""
     return {
         "inliers": evidence.inliers,
         "sure": evidence.sure,
@@ -100,10 +100,10 @@ def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float
 
 
 def squashed(odds: float) -> float:
-    """The probability 0..1 of log odds: the logistic function."""
+    """Return the probability of log odds, by the logistic function."""
     return 1.0 / (1.0 + float(np.exp(np.clip(-odds, -MOST_LOG_ODDS, MOST_LOG_ODDS))))
 
 
 def log_ratio(ratio: float, most: float) -> float:
-    """The logarithm of a ratio, ``most`` either way."""
+    """Return the logarithm of a ratio, clipped to ``most`` in both directions."""
     return float(np.clip(np.log(max(ratio, RATIO_LEAST)), -most, most))

@@ -1,7 +1,8 @@
 """Confidence of `icp` and `color-icp` by residual and overlap, learnt on generated recordings.
 
-The methods go on from whatever they found, so that the residual and the overlap of a step tell
-nothing: it fits well on the wrong surface too.  Those of what was painted do, moved by all steps.
+Each step starts from the last result, so its own residual and overlap are not informative: a step
+also fits well on the wrong surface.  The features are therefore computed from the painted points,
+moved by all steps.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 class IcpEvidence:
     """Features of a step, from which its confidence is computed.
 
-    ``residual`` median distance of the painted points, moved by all steps, from those of the
-    frame, in spacings; ``found`` share of them that lie on points that were found, and ``beyond``
-    share of what was found that lies on none of them: labels grow over what they touch.
+    ``residual``: median distance of the painted points, moved by all steps, from points of the
+    frame, in spacings; ``found``: share of the painted points near labelled points; ``beyond``:
+    share of labelled points far from painted points, because labels leak to touching surfaces.
     """
 
     residual: float
@@ -26,15 +27,15 @@ class IcpEvidence:
     beyond: float
 
     def features(self, options: IcpConfidenceOptions) -> dict[str, float]:
-        """Compute the features that have weights, by name."""
+        """Return the features with weights, by name."""
         return {
-            # Less than a spacing says nothing: so near is all surface that is seen again.
+            # A residual below a spacing is not informative: the same surface is always so near.
             "residual": max(0.0, log_ratio(self.residual, options.max_log_residual)),
             "found": self.found,
             "beyond": self.beyond,
         }
 
     def likelihood(self, options: IcpConfidenceOptions) -> float:
-        """0..1, of this step by itself."""
+        """Return the likelihood, 0 to 1, of this step alone."""
         odds = options.weights.odds(self.features(options)) + options.offset
         return squashed(odds)

@@ -1,4 +1,4 @@
-"""Motion of an object: predicted poses from its last ones, with variations worth trying."""
+"""Motion of an object: predictions of its next pose from the last poses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pointbrush.tracking.options.steps import SearchOptions
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Poses ``T_frame_start`` of the last frames; ``centre`` (3,) of the object in the start."""
+    """Last poses ``T_frame_start``, and the object's ``centre`` (3,) in the start frame."""
 
     options: SearchOptions
     centre: F64
@@ -22,13 +22,13 @@ class Motion:
     gap: int = 1
     """Frames since the last pose."""
     rested: F64 | None = None
-    """The pose at which it rested when it was last well seen, unless it was seen elsewhere since:
-    what hides it may seem to push it, or to have taken it along."""
+    """Resting pose of its last clear observation, unless it was seen elsewhere since; it guards
+    against apparent motion caused by an occluding object."""
 
     def add(self, pose: F64, sure: bool = True) -> Motion:
-        """The object was found; a gap is filled by even motion.
+        """Return the motion with a found pose; a gap is filled by constant motion.
 
-        An unsure pose moves the object, and leaves its motion as it was.
+        An uncertain pose moves the object and keeps its velocity.
         """
         if not sure and len(self.poses) > 1:
             spin = self.poses[-1][:3, :3] @ self.poses[-2][:3, :3].T
@@ -43,62 +43,62 @@ class Motion:
         return replace(self, poses=kept, gap=1)
 
     def begin(self, pose: F64) -> Motion:
-        """The object was found where no motion led: what it was doing is unknown."""
+        """Return a motion restarted at a pose, with an unknown velocity."""
         return replace(self, poses=(pose,), gap=1, rested=None)
 
     def go_along(self, step: F64) -> Motion:
-        """It was hidden, and is a ``step`` (3,) farther on with who carries it."""
+        """Return the motion of an occluded object moved by its carrier's ``step`` (3,)."""
         along = np.eye(4)
         along[:3, 3] = step
         return replace(self, poses=tuple(along @ pose for pose in self.poses), gap=1)
 
     def seen(self, unit: float) -> Motion:
-        """It was well seen at its last pose."""
+        """Return the motion after a clear observation at the last pose."""
         return replace(self, rested=self.poses[-1] if self.rests(unit) else None)
 
     def unseen(self) -> Motion:
-        """It was not found in a frame."""
+        """Return the motion after a frame without a detection."""
         return replace(self, gap=self.gap + 1)
 
     @property
     def resting_pose(self) -> F64:
-        """The pose (4, 4) if it has not moved: where it rested, or where it was last."""
+        """The pose (4, 4) of an object at rest: its resting pose or its last one."""
         return self.poses[-1] if self.rested is None else self.rested
 
     @property
     def fresh(self) -> bool:
-        """Whether its motion is not known yet."""
+        """Whether its motion is still unknown."""
         return len(self.poses) < 3
 
     @cached_property
     def speed(self) -> float:
-        """Metres a frame, of the centre."""
+        """Speed of the centre, in metres per frame."""
         if len(self.poses) < 2:
             return 0.0
         return float(np.linalg.norm(self._at(-1) - self._at(-2)))
 
     @property
     def place(self) -> F64:
-        """Last place (3,) of the centre."""
+        """Last position (3,) of the centre."""
         return self._at(-1)
 
     @property
     def even(self) -> F64:
-        """(3,) where the centre is in the next frame if its last step is repeated."""
+        """(3,) predicted position of the centre if its last step is repeated."""
         here = self._at(-1)
         return here if len(self.poses) < 2 else here + self.gap * (here - self._at(-2))
 
     def slow(self, unit: float) -> bool:
-        """Whether it stays nearly where it is: only then can it be where something else was."""
+        """Return whether it is nearly at rest, so that it may not take another object's place."""
         return len(self.poses) > 1 and self.speed < unit
 
     def rests(self, unit: float) -> bool:
-        """Whether it has stayed where it is for all the frames that are remembered."""
+        """Return whether it has been at rest in all stored frames."""
         return len(self.poses) >= self.options.remembered_poses and self._farthest < 2 * unit
 
     @cached_property
     def _farthest(self) -> float:
-        """Metres from where the centre is to the farthest place where it was."""
+        """Return the distance (m) of the centre to its farthest stored position."""
         path = np.vstack([transform(T, self.centre[None]) for T in self.poses])
         return float(np.linalg.norm(path - path[-1], axis=1).max())
 
@@ -108,7 +108,7 @@ class Motion:
 
     @cached_property
     def predictions(self) -> F64:
-        """(K, 4, 4) to try, the likeliest first: motion repeated, changing evenly, and at rest."""
+        """(K, 4, 4) candidates, most likely first: constant and changing motion, and at rest."""
         last, here = self.poses[-1], self._at(-1)
         if len(self.poses) < 2:
             return last[None]
@@ -135,10 +135,10 @@ class Motion:
         return np.stack(result)
 
     def _swung(self, turned: F64) -> F64:
-        """Turned about the point of the object that has moved the most evenly.
+        """Return the prediction by a rotation about the point with the most uniform motion.
 
-        In the air that is its centre of mass, in a hand it is near the grip.  Least squares over
-        the second differences of the last poses, leaning on the centre.
+        In the air this point is the centre of mass; in a hand it is near the grip.  It is found by
+        least squares over second differences of the last poses, regularised to the centre.
         """
         poses = np.stack(self.poses)
         bend = poses[:-2] - 2 * poses[1:-1] + poses[2:]
@@ -161,13 +161,13 @@ class Motion:
 
 
 def _orthogonal(R: F64) -> F64:
-    """The rotations nearest to some matrices (..., 3, 3)."""
+    """Return the rotations nearest to matrices (..., 3, 3)."""
     U, _, Vt = np.linalg.svd(R)
     return np.asarray(U @ Vt)
 
 
 def _between(a: F64, b: F64, centre: F64, share: float) -> F64:
-    """A pose on the way from ``a`` to ``b``; rotation is taken from ``b``."""
+    """Return a pose between ``a`` and ``b``, with the rotation of ``b``."""
     start, end = transform(a, centre[None])[0], transform(b, centre[None])[0]
     T = b.copy()
     T[:3, 3] = start + share * (end - start) - b[:3, :3] @ centre

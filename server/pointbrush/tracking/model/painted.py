@@ -1,4 +1,4 @@
-"""Properties of an object that show in how it was painted."""
+"""Properties of an object in the painted frame."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from pointbrush.tracking.sensors.view import View
 
 
 def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
-    """Test whether the picture's edge cuts off a painted object of ``radius`` metres.
+    """Return whether the picture's edge cuts off a painted object of ``radius`` metres.
 
     Many of its points lie at the edge, or it is as large as a part of a person and touches the edge
-    along much of its width.  Where nothing unlabelled reaches as far, the object ends, and not the
-    picture.
+    along much of its width.  If no unlabelled point reaches as far, the object itself ends there.
     """
     options = view.options.track
     if view.lens is None:
@@ -36,19 +35,19 @@ def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
 
 
 def away_from(view: View, xyz: F64) -> float:
-    """Metres of points (M, 3) from the sensor, 0 where its place is unknown."""
+    """Return the distance (m) of points (M, 3) from the sensor; 0 if its position is unknown."""
     return 0.0 if view.eye is None else float(np.linalg.norm(xyz.mean(axis=0) - view.eye))
 
 
 def across_way(xyz: F64) -> float:
-    """Metres of deviation of points (M, 3) across the way in which they are longest."""
+    """Return the standard deviation (m) of points (M, 3) across their longest axis."""
     if len(xyz) < 3:
         return 0.0
     return float(np.sqrt(max(np.linalg.eigvalsh(np.cov(xyz.T))[1], 0.0)))
 
 
 def texture(xyz: F64, colour: F32, options: ObjectOptions) -> tuple[float, float]:
-    """Median distance and colour difference between neighbours."""
+    """Return the median distance and colour difference between neighbours."""
     if len(xyz) < 3:
         return options.lone_spacing_m, options.min_colour_noise
     sample = np.arange(0, len(xyz), max(1, len(xyz) // options.sampled_points))
@@ -59,9 +58,9 @@ def texture(xyz: F64, colour: F32, options: ObjectOptions) -> tuple[float, float
 
 
 def across_rings(xyz: F64, options: ObjectOptions) -> float:
-    """Median distance to the nearest point aside of the way to the nearest of all.
+    """Return the median distance to the nearest point across the direction of the nearest one.
 
-    Lidars measure densely along a ring, and the next ring is far.
+    Lidars measure densely along a ring, and the next ring is farther away.
     """
     if len(xyz) < options.ring_neighbours:
         return 0.0
@@ -75,7 +74,7 @@ def across_rings(xyz: F64, options: ObjectOptions) -> float:
 
 
 def uneven(xyz: F64, options: ObjectOptions) -> float:
-    """Median distance of points (M, 3) from the plane through them."""
+    """Return the median distance of points (M, 3) from the plane through them."""
     if len(xyz) < options.ring_neighbours:
         return np.inf
     away = xyz - xyz.mean(axis=0)
@@ -84,7 +83,7 @@ def uneven(xyz: F64, options: ObjectOptions) -> float:
 
 
 def colourless(view: View, indices: I64) -> bool:
-    """Whether many of the points were seen by no camera: exactly black."""
+    """Return whether many of the points are exactly black: outside the view of all cameras."""
     rgb = view.frame.rgb
     return (
         rgb is None
@@ -94,11 +93,11 @@ def colourless(view: View, indices: I64) -> bool:
 
 @dataclass(frozen=True)
 class Painted:
-    """Properties of an object that show in how it was painted.
+    """Properties of an object in the painted frame.
 
-    ``flat`` lying on the ground; ``sheet`` flat in itself, as a door is; ``broad`` as part of
-    a person is; ``cut`` off by the edge of the picture; ``grounded`` with the ground under it;
-    ``with_flying`` with the flying pixels at its outline.
+    ``flat``: lying on the ground; ``sheet``: a flat object, such as a door; ``broad``: as broad as
+    part of a person; ``cut``: cut off by the edge of the picture; ``grounded``: painted with the
+    ground below it; ``with_flying``: painted with the flying pixels at its outline.
     """
 
     flat: bool
@@ -110,7 +109,7 @@ class Painted:
 
     @staticmethod
     def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
-        """As the points ``indices`` (M,) at ``xyz`` (M, 3) show it, ``radius`` metres in size."""
+        """Return the properties of points ``indices`` (M,) at ``xyz`` (M, 3), ``radius`` in m."""
         options = view.options.track
         return Painted(
             flat=float(view.low[indices].mean()) > options.flat_share,

@@ -10,7 +10,7 @@ from pointbrush.tracking.interface import F64, I64
 
 
 def no_points() -> I64:
-    """An empty array of point numbers."""
+    """Return an empty array of point numbers."""
     return np.empty(0, np.int64)
 
 
@@ -18,8 +18,8 @@ def no_points() -> I64:
 class Registration:
     """Registered ``pose`` (4, 4) of a track, and its model's points ``world`` (M, 3).
 
-    Of the frame's points: those ``around``, in a ``box`` that was searched; ``near``, that it may
-    have; ``moving``, before the background.  ``cost`` of the fit, 0 to 1.
+    Indices of the frame's points: ``around``, inside the searched ``box``; ``near``, available to
+    it; ``moving``, in front of the background.  ``cost``: cost of the fit, 0 to 1.
     """
 
     pose: F64
@@ -30,12 +30,12 @@ class Registration:
     moving: I64
     cost: float
     predicted: F64 = field(default_factory=lambda: np.empty((0, 4, 4)))
-    """(K, 4, 4) where it was expected."""
+    """(K, 4, 4) predicted poses."""
     tried: F64 = field(default_factory=lambda: np.empty((0, 4, 4)))
-    """(H, 4, 4) poses that it was registered to, with ``costs``."""
+    """(H, 4, 4) registered hypotheses, with ``costs``."""
     costs: F64 = field(default_factory=lambda: np.empty(0))
-    """(H,) what each of them cost."""
+    """(H,) cost of each hypothesis."""
     alternatives_failed: bool = False
-    """It was looked for elsewhere too, in this frame or before, and that was no better."""
+    """Whether a search elsewhere, in this or an earlier frame, found no better pose."""
     faint: I64 = field(default_factory=no_points)
-    """Points of ``near`` that are hardly before the background."""
+    """Points of ``near`` that are barely in front of the background."""

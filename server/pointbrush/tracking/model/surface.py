@@ -1,4 +1,4 @@
-"""Surface model of a track, and the views of it that carve space."""
+"""Surface model of a track, and views of it for space carving."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from pointbrush.tracking.sensors.view import View
 class Model:
     """Surface points in start-frame coordinates.
 
-    ``xyz`` (M, 3), ``colour`` (M, 3) as ``View.colour`` gives it, ``seen`` (M, 3) unit vectors
-    to the sensor when last seen (zeros where its place is unknown), ``hits`` and ``misses`` (M,)
-    counts, ``spacing`` metres between neighbours.
+    ``xyz`` (M, 3); ``colour`` (M, 3), see ``View.colour``; ``seen`` (M, 3): unit vectors to the
+    sensor when last seen, zeros if its position is unknown; ``hits`` and ``misses`` (M,): counts;
+    ``spacing``: metres between neighbours.
     """
 
     options: SurfaceOptions
@@ -44,7 +44,7 @@ class Model:
         options: SurfaceOptions,
         most: int | None = None,
     ) -> Model:
-        """A model of the points (M, 3) that a sensor at ``eye`` sees, ``most`` of them."""
+        """Return a model of at most ``most`` of the points (M, 3) seen by a sensor at ``eye``."""
         n = len(xyz)
         model = Model(
             options,
@@ -73,8 +73,7 @@ class Model:
         return self._radius
 
     def facing(self, poses: F64, eye: F64 | None, which: I64 | slice = slice(None)) -> Mask:
-        """(K, M) points, or ``which`` of them, whose side faces ``eye`` at each of ``poses``
-        (K, 4, 4)."""
+        """Mark the points (K, M), or only ``which``, that face ``eye`` at ``poses`` (K, 4, 4)."""
         xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
@@ -83,10 +82,10 @@ class Model:
     def gather(
         self, xyz: F64, colour: F32, gap: F64, nearest: I64, eye: F64 | None, sure: bool | Mask
     ) -> None:
-        """Take in assigned points (start-frame coordinates), ``gap`` from model point ``nearest``.
+        """Add assigned points (start-frame coordinates), ``gap`` from model point ``nearest``.
 
-        Where the points are not ``sure``, new ones join only beside well confirmed ones: what
-        holds an object moves with it, and must not become part of it bit by bit.
+        Points that are not ``sure`` are added only beside well confirmed ones: a hand that holds
+        the object moves with it, and must not gradually become part of it.
         """
         options = self.options
         sure = np.broadcast_to(sure, len(xyz))
@@ -109,7 +108,7 @@ class Model:
         self._keep(self._distinct(options.max_points))
 
     def _hit(self, which: I64, sure: Mask) -> None:
-        """Confirm points; what was only ever seen beside a hand never counts as certain."""
+        """Count hits of points; points only seen beside a hand never become certain."""
         options = self.options
         capped = self.hits < options.sure_hits
         capped[which[sure]] = False
@@ -117,22 +116,22 @@ class Model:
         self.hits[capped & (self.hits >= options.sure_hits)] = options.sure_hits - 1
 
     def miss(self, which: Mask) -> I64:
-        """Count points that the sensor saw through; those seen through too often leave.
+        """Count points that the sensor saw through, and remove points seen through too often.
 
-        Returns the new number of each point (M,), -1 for those that have left.
+        Returns the new number of each point (M,), -1 for removed ones.
         """
         self.misses[which] += 1
         return self.drop(self.misses > np.minimum(self.hits, self.options.max_counted_hits) + 1)
 
     def drop(self, which: Mask) -> I64:
-        """Give up points (M,), unless hardly any are left; new numbers as of ``miss``."""
+        """Remove points (M,) unless too few would remain; return new numbers as ``miss`` does."""
         if not which.any() or np.count_nonzero(~which) < self.options.min_points:
             return np.arange(len(which))
         self._keep(np.flatnonzero(~which))
         return np.where(which, -1, np.cumsum(~which) - 1)
 
     def _distinct(self, most: int) -> I64:
-        """One point per cell of the model's spacing, the best confirmed; ``most`` at most."""
+        """Return the best confirmed point of each cell of the model's spacing, at most ``most``."""
         options = self.options
         key = np.floor(self.xyz / (options.cell_spacings * self.spacing)).astype(np.int64)
         lo, hi = (end.astype(np.int64) for end in bounds(key))
@@ -156,7 +155,7 @@ class Model:
 
 @compiled
 def _best_of(cell: I64, hits: F32) -> I64:
-    """Sorted, of each cell the point, numbered (N,), with the most hits; the first of such."""
+    """Return sorted numbers of the point with the most hits of each cell; ties: the first."""
     best = np.full(cell.max() + 1, -1)
     for i in range(len(cell)):
         if best[cell[i]] < 0 or hits[i] > hits[best[cell[i]]]:
@@ -194,9 +193,9 @@ def _towards(xyz: F64, eye: F64 | None) -> F64:
 class CarvingView:
     """Depth image around an object in one frame, for space carving.
 
-    ``pose`` (4, 4) of the object, ``T_world_lens`` (4, 4) or None; ``depth`` (H, W) the least
-    of each pixel and its neighbours, 0 where one measured nothing; ``corner`` its first row
-    and column in the image of ``lens``.
+    ``pose`` (4, 4) of the object; ``T_world_lens`` (4, 4) or None; ``depth`` (H, W): minimum of
+    each pixel and its neighbours, 0 if one of them is unmeasured; ``corner``: its first row and
+    column in the image of ``lens``.
     """
 
     pose: F64
@@ -206,7 +205,7 @@ class CarvingView:
     depth: F32
 
     def through(self, xyz: F64, beyond: float, options: LensOptions) -> Mask:
-        """Whether points (M, 3) of the object's own coordinates were looked through."""
+        """Return a mask of the points (M, 3), in object coordinates, that the view saw through."""
         T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
         return _through(
             self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.nearest_m
@@ -259,8 +258,8 @@ def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
 
 
 def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64) -> None:
-    """Add a carving view where it shows the object from another side; the oldest leaves."""
-    # The object hardly leaves its place in front of the sensor: what turns is the object.
+    """Add a carving view if it shows the object from another side; drop the oldest if full."""
+    # The object stays in front of the sensor, so its own rotation decides.
     options = view.options.surface
     turns = [
         float((earlier.pose[:3, :3] * pose[:3, :3]).sum() - 1.0) / 2.0 for earlier in carving_views

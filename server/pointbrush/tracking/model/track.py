@@ -1,4 +1,4 @@
-"""One label on its way through a recording: its model, its motion, what is beside it."""
+"""State of a tracked label: its model, motion and surroundings."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.view import View
 
 SIDES = np.vstack([np.eye(3), -np.eye(3)])
-"""(6, 3) unit vectors along the axes, both ways."""
+"""(6, 3) unit vectors along the axes, in both directions."""
 
 
 @dataclass(eq=False)
 class OtherMovers:
-    """Unlabelled points beside an object in the last frame: (M, 3) world, with colours."""
+    """Unlabelled points (M, 3) beside an object in the last frame, in the world, with colours."""
 
     xyz: F64
     colour: F32
     weight: float = 0.0
     """Metres per unit of colour."""
     box: tuple[F64, F64] | None = None
-    """Corners (3,) of where they were looked for; None for anywhere."""
+    """Corners (3,) of the searched box; None: unbounded."""
 
     @staticmethod
     def none() -> OtherMovers:
-        """Nothing unlabelled is known."""
+        """Return an empty set."""
         return OtherMovers(np.empty((0, 3)), np.empty((0, 3), np.float32))
 
     @cached_property
@@ -47,14 +47,13 @@ class OtherMovers:
         return Target(self.xyz, self.colour, self.weight)
 
     def asked(self, xyz: NDArray[np.floating]) -> Mask:
-        """Mark the positions (M, 3) inside the searched box; of the others nothing is known."""
+        """Mark the positions (M, 3) inside the searched box; outside, nothing is known."""
         return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
 
     def explain(self, xyz: F64, colour: F32, within: F64, step: F64 | None = None) -> Mask:
-        """Mark the points (M,) less than ``within`` (M,) metres from one of these, in place and
-        colour.
+        """Mark the points (M,) closer than ``within`` (M,) to one of these, in place and colour.
 
-        Where they were, or, with a ``step``, gone along with the object's.
+        Their former positions count and, with a ``step``, also these moved by the object's step.
         """
         explained = np.zeros(len(xyz), np.bool_)
         if not len(self.xyz):
@@ -72,8 +71,8 @@ class OtherMovers:
 class Sampling:
     """Sampling of an object by its sensor.
 
-    ``imaged`` it sees depth images; ``scanned`` it is a lidar, then ``grain`` metres lie between
-    the points of the object, as it is seen from ``away`` metres, 0 while that is not known.
+    ``imaged``: the sensor has depth images; ``scanned``: it is a lidar; ``grain``: metres between
+    points of the object at a distance of ``away`` metres, which is 0 if unknown.
     """
 
     imaged: bool
@@ -86,8 +85,8 @@ class Sampling:
 class Bending:
     """Bending of an object, as running means.
 
-    ``share`` 0..1 of it that one rigid motion does not explain; ``strain`` share of its known
-    surface that bending alone explains.
+    ``share``: share, 0 to 1, that a single rigid motion does not explain; ``strain``: share of its
+    known surface that only bending explains.
     """
 
     share: float = 0.0
@@ -96,10 +95,10 @@ class Bending:
 
 @dataclass(frozen=True, slots=True)
 class LastObservation:
-    """Outcome of an object in the last frame that showed it.
+    """Outcome of an object in its last visible frame.
 
-    ``points`` number of them; ``alternatives_failed`` whether other poses were tried, its fit being
-    in doubt, and were no better.
+    ``points``: their number; ``alternatives_failed``: whether its fit was doubtful and other poses
+    were no better.
     """
 
     points: int
@@ -110,8 +109,7 @@ class LastObservation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """The person with a ``label``, and how far ``away`` (2,) from them, metres along the ground, an
-    object was that they carry."""
+    """Person ``label`` that carries an object, and its offset ``away`` (2,) on the ground in m."""
 
     label: int
     away: F64
@@ -126,60 +124,62 @@ class Track:
     model: Model
     motion: Motion
     weight: float
-    """Metres per unit of colour; 0 where it has none that tell it."""
+    """Metres per unit of colour; 0 without distinctive colours."""
     unit: float
-    """Metres of tolerance: spacing of its points or noise of the sensor."""
+    """Tolerance in metres: spacing of its points or noise of the sensor."""
     other_movers: OtherMovers
     painted: Painted
     sampling: Sampling
     appearance: ColourHistogram
-    """The colours that it was painted with."""
+    """Colours in the painted frame."""
     last: LastObservation
     size: float
-    """The most points that it had."""
+    """Maximum number of points so far."""
     usual_cost: float
-    """Mean distance of its points to the model where it was alone in the air, in reaches."""
+    """Mean distance of its points to the model in frames alone in the air, in reaches."""
     frames_alone: int = 0
-    """Frames in which it was alone in the air."""
+    """Number of frames alone in the air."""
     extent: float = 0.0
-    """Metres, the greatest radius that it had."""
+    """Maximum radius so far, in metres."""
     frames_unseen: int = 0
     """Frames since it was seen."""
     lost: bool = False
-    """Whether it is not looked for any more."""
+    """Whether the search for it has ended."""
     confidence: float = 1.0
-    """The last confidence."""
+    """Confidence in the last frame."""
     astray: bool = False
-    """Whether it may be another since it was found, in doubt, where no motion led, until it is
-    seen alone."""
+    """Whether it may be another object, since it was found far from all predictions with a doubtful
+    fit, until it is seen alone."""
     clothes: tuple[ColourHistogram, ...] = ()
-    """Clothes of the people beside whom it is followed."""
+    """Clothes of the people tracked in the same run."""
     carrier: Carrier | None = None
-    """The person who carried it when it was last surely seen."""
+    """The person who carried it at its last confident observation."""
     bending: Bending = Bending()
     carving_views: list[CarvingView] = field(default_factory=list)
-    """Its surroundings in some frames."""
+    """Depth images of its surroundings in some frames."""
 
     @property
     def has_colour_key(self) -> bool:
-        """Whether it is known by its colours; large objects and what a lidar sees are otherwise."""
+        """Whether colours identify it; they do not for large objects and in lidar scans."""
         return self.weight > 0.0 and not self.large
 
     def distinct(self, colour: F32) -> Mask:
-        """Mark the colours (M, 3) that the object alone had where it was painted."""
+        """Mark the colours (M, 3) that only this object had in the painted frame."""
         if not self.has_colour_key:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.only(colour)
 
     def strange(self, colour: F32) -> Mask:
-        """Mark the colours (M, 3) that the object did not show where it was painted."""
+        """Mark the colours (M, 3) that the object did not have in the painted frame."""
         if not self.has_colour_key:
             return np.zeros(len(colour), np.bool_)
         return self.appearance.strange(colour)
 
     def over_clothes(self, colour: F32) -> F32:
-        """(M,) how much commoner the colours (M, 3) are where it was painted than in the clothes of
-        any of the people, a logarithm; 0 where there are none."""
+        """Return (M,) the log ratio of the shares of colours (M, 3) here and in people's clothes.
+
+        The person with the largest share counts; it is 0 without people.
+        """
         if not (self.clothes and self.has_colour_key):
             return np.zeros(len(colour), np.float32)
         worn = np.max([appearance.each(colour) for appearance in self.clothes], axis=0)
@@ -187,13 +187,13 @@ class Track:
 
     @property
     def away(self) -> bool:
-        """True once the object has left the place where it was painted."""
+        """Whether the object has left its painted place."""
         went = np.linalg.norm(self.motion.place - self.motion.centre)
         return bool(went > self.model.radius)
 
     @property
     def bends(self) -> bool:
-        """Whether one rigid motion is not enough; a small object has to show it more clearly."""
+        """Whether a single rigid motion is not enough; small objects have a higher threshold."""
         options = self.options.track
         return self.bending.share > (
             options.bent_share_large if self.large and not self.scanned else options.bent_share
@@ -201,16 +201,16 @@ class Track:
 
     @property
     def rigid(self) -> bool:
-        """True for a small object that does not bend: one motion moves all of it."""
+        """Whether it is a small object that does not bend, so that one rigid motion applies."""
         return not (self.bends or self.large)
 
     @property
     def stiff(self) -> bool:
-        """True for an object whose surface does not move within itself."""
+        """Whether its surface does not deform."""
         return not (self.bends or self.soft or self.large)
 
     def come_to(self, away: float) -> None:
-        """Be ``away`` metres from the sensor: what is nearer shows more points, and closer ones."""
+        """Set the distance from the sensor: a nearer object has more points, more densely."""
         options = self.options.track
         grain = self.sampling.grain
         if self.sampling.away > 0.0 and away > 0.0:
@@ -226,17 +226,17 @@ class Track:
 
     @property
     def scanned(self) -> bool:
-        """Whether a lidar sees it."""
+        """Whether the sensor is a lidar."""
         return self.sampling.scanned
 
     @property
     def soft(self) -> bool:
-        """Whether it is a small object whose surface moves within itself, as a toy's does."""
+        """Whether it is a small object with a deforming surface, such as a soft toy."""
         return self.bending.strain > self.options.track.soft_strain and not self.large
 
     @property
     def large(self) -> bool:
-        """Whether it is many points across, as people are, or seen by a lidar: no one holds it."""
+        """Whether it is large, such as a person, or scanned by a lidar, and therefore not held."""
         options = self.options.track
         if self.scanned:
             return True
@@ -248,29 +248,29 @@ class Track:
 
     @property
     def body(self) -> bool:
-        """Whether it is large and before a sensor that sees depth images."""
+        """Whether it is large and the sensor has depth images."""
         return self.sampling.imaged and self.large
 
     @property
     def hand_sized(self) -> bool:
-        """Whether it is small and before a sensor that sees depth images: it may be thrown."""
+        """Whether it is small and the sensor has depth images: it may be thrown."""
         return self.sampling.imaged and not self.large
 
     @property
     def span(self) -> float:
-        """Metres from its middle that may hold all of it, hidden parts too."""
+        """Radius (m) around its middle that contains all of it, including hidden parts."""
         return max(self.model.radius, self.extent)
 
     @property
     def ends(self) -> F64:
-        """(6, 3) as far out as the model on every side: a motion that moves none moves nothing."""
+        """(6, 3) extremes of the model along the axes; a motion that moves none moves no point."""
         return self.model.centre + self.model.radius * SIDES
 
     @property
     def absent(self) -> bool:
-        """Whether it is large and hardly anything of it was seen: the others come first then.
+        """Whether it is large and mostly occluded; it is then matched after the other tracks.
 
-        But for what stands before a lidar: it comes out where it was, from behind who goes away.
+        Excluded: static objects of a lidar, which reappear at their place.
         """
         hardly = (
             self.frames_unseen > 0 or self.last.points < self.options.track.hardly_share * self.size
@@ -279,23 +279,23 @@ class Track:
 
     @property
     def stands(self) -> bool:
-        """Whether a lidar saw it stand still when it was last seen, as a parked car does."""
+        """Whether it was static in lidar scans when last seen, such as a parked car."""
         return self.scanned and self.motion.rests(self.unit)
 
     @property
     def reach(self) -> float:
-        """Metres between a point and the model's point that stands for it."""
+        """Distance (m) up to which a model point represents a measured point."""
         return max(self.unit, self.model.spacing)
 
 
 def begin(view: View, label: int, indices: I64, noise: float, other_movers: OtherMovers) -> Track:
-    """An object made of a person's points ``indices``; ``noise`` metres of the depth there.
+    """Return a track of the painted points ``indices``; ``noise``: depth noise there (m).
 
-    A small one before a depth camera without its flying pixels; among those of a large one they
-    do not matter.
+    Flying pixels of a small object before a depth camera are left out; for a large object they do
+    not matter.
     """
     track = _made(view, label, indices, noise, other_movers)
-    if track.large:  # what hangs together with it is found as finely as it is seen
+    if track.large:  # connected points are found at the full resolution
         track = _made(view, label, indices, noise, other_movers, most=len(indices))
     if view.lens is None:
         return track
@@ -304,7 +304,7 @@ def begin(view: View, label: int, indices: I64, noise: float, other_movers: Othe
         without = _made(view, label, indices[kept], noise, other_movers)
         track = track if without.large else without
     if track.large and (track.painted.broad or track.painted.cut):
-        # It stays that, however little of it is seen.
+        # It stays large even if little of it is seen.
         track.extent = max(track.model.radius, view.options.track.tall_m)
     return track
 
@@ -322,7 +322,7 @@ def _made(
     colour = view.colour(indices)
     most = most or options.track.dense_points
     spacing, speckle = texture(xyz, colour, options=options.track)
-    if not view.scans:  # nothing that is asked of an object asks more points than these
+    if not view.scans:  # no computation uses more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
     unit = max(spacing, noise, options.track.ring_share * across_rings(xyz, options=options.track))
     weight = 0.0
