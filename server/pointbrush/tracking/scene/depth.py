@@ -1,7 +1,7 @@
-"""Background model of a camera at rest: unlabelled points that stood still are no object's.
+"""Background model of a camera at rest: static unlabelled points belong to no object.
 
-Here with a depth image: the farthest depth that each pixel has shown, and how much depth wavers at
-that distance (measured on the recording itself).  Without one see ``scans.py``.
+With a depth image it consists of the farthest depth of each pixel and the depth noise at that
+distance, measured on the recording.  ``scans.py`` has the model without depth images.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ from pointbrush.tracking.scene.pixels import (
 from pointbrush.tracking.sensors.view import View
 
 NEVER = 1_000_000
-"""More frames than a recording has."""
+"""Number of frames above that of any recording."""
 
 
 class Background(Protocol):
-    """Background model: learns each frame after its labels were decided.
+    """Background model, updated with each frame after its labels are final.
 
-    Asked of the points ``indices`` (M,), in stored order, of the frame after those.  A kind of
-    background that cannot know what is asked says of no point that it is so.
+    Queries are for the points ``indices`` (M,), in stored order, of the following frame.  A model
+    that cannot answer a query marks no point.
     """
 
     def static(self, view: View, indices: I64, /) -> tuple[Mask, Mask]:
-        """Mark the points (M,) of the background, and those of an unlabelled object at rest."""
+        """Mark the points (M,) of the background, and points of unlabelled objects at rest."""
 
     def faint(self, view: View, indices: I64, /) -> Mask:
         """Mark the background's points (M,) that may belong to an object touching it there."""
@@ -51,66 +51,68 @@ class Background(Protocol):
     def scenery(self, view: View, indices: I64, frames: int, /) -> Mask:
         """Mark the points (M,) of the background.
 
-        Also what has just been uncovered where the scene goes on, and what, where no background
-        has been seen, has stood still for so many ``frames``, labelled or not.
+        They include newly uncovered points that continue the scene and, where no background has
+        been seen, points that were static for ``frames`` frames, labelled or not.
         """
 
     def certain(self, view: View, indices: I64, /) -> Mask:
-        """Mark the points (M,) before a background that has been seen."""
+        """Mark the points (M,) in front of a background that has been seen."""
 
     def again(self, view: View, indices: I64, /) -> I64:
-        """(M,) label of which the points (M,) show again, just as deep, what was last seen there.
+        """Return (M,) the former label of points (M,) that reappear at the same depth.
 
-        0 for none, and where the scene behind is known.
+        It is 0 for other points, and where the scene behind is known.
         """
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
-        """Take in a frame whose ``labels`` are decided; ``first``: by a person.
+        """Update the model with a frame with final ``labels``; ``first``: painted by a person.
 
-        ``keep`` (M, 3) where something is though it claimed no point there.
+        ``keep`` (M, 3): positions of objects without claimed points, excluded from the background.
         """
 
 
 @runtime_checkable
 class PictureBackground(Background, Protocol):
-    """Of a depth camera, whose pictures show people before a scene; ``noise`` of its depth."""
+    """Background of a depth camera with ``noise``, to separate people from a scene."""
 
     options: TrackerOptions
     noise: DepthNoise
 
     def furniture(self, view: View, indices: I64) -> Mask:
-        """Mark the points (M,) no nearer than surface that stood before the scene for a while."""
+        """Mark the points (M,) on or behind surface that was static in front of the scene."""
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
-        """Make scenery of surface with a ``label`` that has been as deep for so many ``frames``, in
-        which its owner has gone a ``way`` (m). Where the scene behind is known, that tells."""
+        """Add surface with a ``label`` that was static for ``frames`` frames to the background.
+
+        Its owner has moved a ``way`` (m) meanwhile.  Pixels with a known scene are unchanged.
+        """
 
 
 @dataclass(eq=False)
 class ImageBackground:
-    """The farthest depth of every pixel, and the last; the sensor stands still."""
+    """Farthest and last depth of each pixel, for a sensor at rest."""
 
     options: TrackerOptions
     noise: DepthNoise
     depth: F32
     last: F32
     scene: F32 = field(init=False)
-    """The depth behind all that ever moves, as far as the recording shows it; NaN elsewhere."""
+    """Depth behind all moving objects, as far as the recording shows it; NaN elsewhere."""
     hidden: F32 = field(init=False)
-    """Depth of the scene expected behind what was labelled in the first frame."""
+    """Expected depth of the scene behind labelled points of the first frame."""
     nearest: F32 | None = None
-    """See ``least``; None where ``depth`` has changed since."""
+    """Cached result of ``least``; None if ``depth`` has changed since."""
     anchor: F32 = field(init=False)
-    """The depth that each cell, labelled or not, has had for ``age`` frames."""
+    """Depth of each cell, labelled or not, for the last ``age`` frames."""
     age: NDArray[np.int32] = field(init=False)
     previous: F32 = field(init=False)
-    """The last frame's depth, labelled or not."""
+    """Depth of the last frame, labelled or not."""
     owner: NDArray[np.int32] = field(init=False)
-    """The last frame's label of each cell, 0 for none."""
+    """Label of each cell in the last frame, 0 for none."""
     held: LastSeen = field(init=False)
 
     def __post_init__(self) -> None:
-        """Nothing is known of hidden places before the first frame."""
+        """Start without knowledge of hidden places."""
         self.hidden = self.previous = self.scene = np.full_like(self.depth, np.nan)
         self.anchor, self.age = self.hidden.copy(), np.zeros(len(self.depth), np.int32)
         self.owner = np.zeros(len(self.depth), np.int32)
@@ -149,15 +151,15 @@ class ImageBackground:
 
     @property
     def _known(self) -> F32:
-        """The scene's depth, and where the recording does not show it what was learnt so far."""
+        """Depth of the scene, or the learnt depth where the recording does not show it."""
         return np.where(np.isfinite(self.scene), self.scene, self.depth)
 
     def survey(self, first: View, others: Sequence[View]) -> None:
-        """Look through a recording for what its moving objects uncover.
+        """Learn the scene uncovered by moving objects in other frames of a recording.
 
-        ``first`` has labels and has been learnt.  What took the place of something labelled may
-        be another side of it, or another person: it is scenery where the scene around goes on, or
-        where it lies well behind, stays, and goes on beside what is labelled.
+        ``first``: labelled frame, already learnt.  Surface in place of a labelled object may be
+        another side of it or another person.  It is scenery if it continues the scene around, or if
+        it is far behind, static and continues beside the labelled points.
         """
         options = self.options.background
         scene, count = farthest(
@@ -180,7 +182,7 @@ class ImageBackground:
             stays &= joined[cell] & (scene[cell] > depth + apart)
             scene[cell[~(behind | stays)]] = np.nan
         self.scene[:-1] = scene
-        # At an outline pixels lie between the object and the scene, and are neither's.
+        # Pixels at an outline lie between object and scene and belong to neither.
         self.depth[self.depth < options.same_depth_share * self.hidden] = np.nan
         self.nearest = None
 
@@ -202,7 +204,7 @@ class ImageBackground:
     def left_behind(self, label: int, frames: int, way: float) -> None:
         """See ``PictureBackground``.
 
-        A foot stands too, and a side of a person may slide along itself: they are small.
+        Small static surface is ignored: a standing foot, or a side of a body sliding along itself.
         """
         options = self.options.background
         labelled = np.flatnonzero(self.owner == label)
@@ -214,7 +216,7 @@ class ImageBackground:
             self.nearest = None
 
     def _before(self, view: View) -> F32:
-        """The depth that something has to come before in each cell to be no part of the scene."""
+        """Return the depth (cells + 1,) below which a point is in front of the scene."""
         if self.nearest is None:
             self.nearest = least(self._known, view.camera.shape, self.noise)
         return self.nearest
@@ -245,7 +247,7 @@ class ImageBackground:
         for label, points in view.labels.items():
             self.owner[cell[points]] = label
         labelled = self.owner != 0
-        # What shows behind a depth, and is an object's, shows that something had only passed there.
+        # A labelled point behind a learnt depth shows that this depth was a passing object's.
         limit = np.float32(options.near_sigmas) * self.noise(seen)
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         labelled |= self.held.learn(seen, self.owner, limit, self._known, options=options)
@@ -257,8 +259,8 @@ class ImageBackground:
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.previous = view.depth
         keep_up(self.anchor, self.age, seen, limit)
-        if not first and labelled[:-1].any():  # the last entry is what lies outside the picture
-            # What a run missed at an object's rim must not become background.
+        if not first and labelled[:-1].any():  # the last entry is outside the picture
+            # Missed points at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
             top, left = (max(rows[0] - options.rim_px, 0), max(columns[0] - options.rim_px, 0))

@@ -16,7 +16,7 @@ from pointbrush.tracking.interface import F32, Mask
 from pointbrush.tracking.options.sensors import BackgroundOptions, DepthNoiseOptions
 
 DEVIATION = 1.05
-"""Standard deviation of a depth, over the median difference of two of them: 1.4826 / sqrt(2)."""
+"""Ratio of the standard deviation to the median difference of two values: 1.4826 / sqrt(2)."""
 
 
 class DepthNoise(NamedTuple):
@@ -30,19 +30,19 @@ class DepthNoise(NamedTuple):
     growing: float
 
     def __call__(self, depth: F32) -> F32:
-        """(M,) standard deviations at (M,) depths."""
+        """Return (M,) standard deviations at (M,) depths."""
         return np.asarray(self.still + self.growing * depth * depth, np.float32)
 
 
 def default_noise(options: DepthNoiseOptions) -> DepthNoise:
-    """Return the noise of a sensor that is not known."""
+    """Return the noise of an unknown sensor."""
     return DepthNoise(options.default_m, options.default_per_m2)
 
 
 def measure_noise(one: F32, other: F32, options: DepthNoiseOptions) -> DepthNoise:
-    """Fit the noise to the differences of two depth images of a sensor that stands still.
+    """Fit the noise to the differences of two depth images of a sensor at rest.
 
-    Source of the fit, which a third of wrong values does not touch: Theil 1950, Sen 1968.
+    Source of the fit, which is robust to a third of outliers: Theil 1950, Sen 1968.
     """
     both = np.flatnonzero(np.isfinite(one) & np.isfinite(other))
     if len(both) < options.min_pixels:
@@ -52,7 +52,7 @@ def measure_noise(one: F32, other: F32, options: DepthNoiseOptions) -> DepthNois
     parts = np.array_split(np.argsort(square, kind="stable"), options.depth_bins)
     x = np.array([float(np.median(square[p])) for p in parts])
     y = np.array([_spread(change[p], options=options) for p in parts])
-    # Slopes of pairs, and their median: what moved between the images spoils a part or two.
+    # The median of pairwise slopes is robust: moving objects spoil a bin or two.
     one_part, other_part = np.triu_indices(len(x), 1)
     run = x[other_part] - x[one_part]
     slopes = ((y[other_part] - y[one_part])[run > 1e-6]) / run[run > 1e-6]
@@ -62,9 +62,9 @@ def measure_noise(one: F32, other: F32, options: DepthNoiseOptions) -> DepthNois
 
 
 def _spread(change: F32, options: DepthNoiseOptions) -> float:
-    """Standard deviation of depths that differ by ``change`` (M,) between two images.
+    """Return the standard deviation of depths that differ by ``change`` (M,) between two images.
 
-    What comes in steps, as a first Kinect's does, is mostly the same or a step away.
+    Quantised depths, such as a first Kinect's, are mostly equal or one step apart.
     """
     gaussian = float(np.median(change)) * DEVIATION
     other = change[change > options.same_depth_m]
@@ -74,11 +74,11 @@ def _spread(change: F32, options: DepthNoiseOptions) -> float:
 
 
 def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: BackgroundOptions) -> F32:
-    """The scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
+    """Return the scene's depth (H * W,) where it is ``hidden`` or unmeasured, NaN elsewhere.
 
-    Surfaces are drawn on by Laplace's equation in the inverse of the depth, in which a plane is
-    linear over the image, so that floors and walls go on exactly.  Where nothing is measured for
-    many pixels around there is no scene, as far as the sensor sees: that is endlessly far.
+    Surfaces are continued by Laplace's equation in inverse depth.  A plane is linear in it, so that
+    floors and walls are continued exactly.  Regions without a measurement for many pixels around
+    are infinitely far.
     """
     height, width = shape
     hidden = widened(hidden.reshape(shape), 2).ravel()
@@ -103,7 +103,7 @@ def drawn_on(depth: F32, shape: tuple[int, int], hidden: Mask, options: Backgrou
 
 
 def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.float64] | None:
-    """``values`` (R * C,) with each NaN the mean of its neighbours; None where all are NaN."""
+    """Return ``values`` (R * C,) with each NaN the mean of its neighbours; None: all are NaN."""
     unknown = np.isnan(values)
     if unknown.all():
         return None
@@ -136,10 +136,10 @@ def _laplace(values: NDArray[np.float64], shape: tuple[int, int]) -> NDArray[np.
 def farthest(
     images: Iterable[F32], noise: DepthNoise, options: BackgroundOptions
 ) -> tuple[F32, F32]:
-    """(H * W,) the farthest depth of each pixel, and how many of the ``images`` show it.
+    """Return (H * W,) the farthest depth of each pixel, and the number of images that show it.
 
-    ``images`` depths (H * W,) of frames of a whole recording: so the scene behind what is passed by
-    now and then is known from the first frame on.
+    ``images``: depths (H * W,) of frames across a recording, so that the scene behind passing
+    objects is known from the first frame on.
     """
     best = count = None
     for image in images:
@@ -160,10 +160,10 @@ def farthest(
 
 
 def continued(depth: F32, known: Mask, shape: tuple[int, int], options: BackgroundOptions) -> Mask:
-    """(H * W,) cells of surfaces that go on, to the left or right, to where they are ``known``.
+    """Return a mask (H * W,) of surfaces that continue to ``known`` cells in the same row.
 
-    Furniture goes on beside whom it is hidden by; a person who stands there ends all round but
-    for the floor beneath them.
+    Furniture continues beside the person in front of it; a person ends on all sides except at the
+    floor.
     """
     image = depth.reshape(shape)
     start = np.ones(shape, np.bool_)

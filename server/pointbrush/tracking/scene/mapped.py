@@ -1,4 +1,4 @@
-"""Scene of a camera that is carried: a map of surface elements, drawn into each frame."""
+"""Scene of a carried camera: a map of surface elements, rendered into each frame."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from pointbrush.tracking.sensors.view import View
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SurfaceMap:
-    """Pieces of surfaces ``at`` (M, 3) in the world, with ``normal`` (M, 3) of any length."""
+    """Surface elements ``at`` (M, 3) in the world, with ``normal`` (M, 3) of any length."""
 
     at: F64
     normal: F64
 
     @staticmethod
     def of(view: View, depth: F32) -> SurfaceMap:
-        """All that a depth image (cells + 1,) shows of what a frame's sensor sees."""
+        """Return the surface elements of a depth image (cells + 1,) of a frame's sensor."""
         at, normal = _pieces(
             depth,
             np.flatnonzero(np.isfinite(depth)),
@@ -42,7 +42,7 @@ class SurfaceMap:
         return SurfaceMap(transform(np.linalg.inv(T), at), normal @ T[:3, :3])
 
     def drawn(self, view: View) -> F32:
-        """(cells + 1,) the scene's depth as a frame's sensor would see it, NaN where unknown."""
+        """Return (cells + 1,) the scene's depth from a frame's sensor, NaN where unknown."""
         options = view.options.mapping
         image = _drawn(
             view.T_picture_world,
@@ -57,17 +57,17 @@ class SurfaceMap:
         return image
 
     def pick(self, keep: Mask) -> SurfaceMap:
-        """Some of the pieces."""
+        """Return the elements in ``keep``."""
         return SurfaceMap(self.at[keep], self.normal[keep])
 
     def __add__(self, other: SurfaceMap) -> SurfaceMap:
-        """The pieces of both."""
+        """Return the elements of both maps."""
         return SurfaceMap(np.vstack([self.at, other.at]), np.vstack([self.normal, other.normal]))
 
 
 @compiled
 def _pieces(depth: F32, cells: I64, lens: Pixels, outline_share: float) -> tuple[F64, F64]:
-    """Places and normals, across, down and along, of the surface in some cells."""
+    """Return positions and normals (right, down, forward) of the surface in some cells."""
     at, normal = np.empty((len(cells), 3)), np.empty((len(cells), 3))
     steps = (1, lens.width)
     for i in range(len(cells)):
@@ -92,7 +92,7 @@ def _pieces(depth: F32, cells: I64, lens: Pixels, outline_share: float) -> tuple
 
 @compiled
 def _drawn(T: F64, at: F64, normal: F64, lens: Pixels, closest_m: float, steep_share: float) -> F32:
-    """(cells + 1,) the nearest piece's depth at the middle of each cell."""
+    """Return (cells + 1,) the depth of the nearest element at the middle of each cell."""
     image = np.full(lens.width * lens.height + 1, np.nan, np.float32)
     for i in range(len(at)):
         a, n = at[i], normal[i]
@@ -121,7 +121,7 @@ def _drawn(T: F64, at: F64, normal: F64, lens: Pixels, closest_m: float, steep_s
 
 @compiled
 def _fill(image: F32, height: int, width: int, filled_beside: int) -> None:
-    """Close holes between pieces that lie farther apart than the pixels."""
+    """Close holes between elements with gaps larger than a pixel."""
     before = image.copy()
     for row in range(1, height - 1):
         for column in range(1, width - 1):
@@ -140,7 +140,7 @@ def _fill(image: F32, height: int, width: int, filled_beside: int) -> None:
 
 
 def chart_of(views: Sequence[View], noise: DepthNoise, options: TrackerOptions) -> SurfaceMap:
-    """The scene of some frames with depth images; the first has labels."""
+    """Return the map of the scene in some frames with depth images; the first has labels."""
     chart = SurfaceMap(np.empty((0, 3)), np.empty((0, 3)))
     around = [_around(view) for view in views]
     for view in views:
@@ -163,7 +163,7 @@ def chart_of(views: Sequence[View], noise: DepthNoise, options: TrackerOptions) 
 
 
 class _Around(NamedTuple):
-    """The ``least`` and the ``most`` depth (cells + 1,) around each cell, NaN where none is."""
+    """The ``least`` and ``most`` depth (cells + 1,) around each cell, NaN if there is none."""
 
     least: F32
     most: F32
@@ -175,7 +175,7 @@ def _around(view: View) -> _Around:
 
 
 def _least(view: View, image: F32) -> F32:
-    """The least of each cell and those around it, inf where there is none."""
+    """Return the minimum of each cell and its neighbours, inf if there is none."""
     result = np.full_like(image, np.inf)
     filled = np.where(np.isnan(image[:-1]), np.float32(np.inf), image[:-1])
     result[:-1] = least_around(filled.reshape(view.camera.shape)).ravel()
@@ -183,7 +183,7 @@ def _least(view: View, image: F32) -> F32:
 
 
 def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
-    """(3, M) whether the places (M, 3) lie in a picture, show a surface there, are seen through."""
+    """Return (3, M) flags of places (M, 3): inside the picture, on a surface, seen through."""
     cell, depth = view.project(at)
     limit = view.options.background.near_sigmas * noise(depth)
     through = seen.least[cell] > depth + limit
@@ -194,8 +194,8 @@ def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.
 def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     """Mark the positions (M, 3) that may be of the objects labelled in the first frame.
 
-    They lie there or close behind; not far behind one of them; or beside, where that frame does
-    not show them to be others'.
+    A position may lie at an object or close behind it, hidden behind it within a limit, or beside
+    it, unless that frame shows another surface there.
     """
     options = first.options
     if not first.labels:
@@ -227,7 +227,7 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
 
 
 def _extent(view: View, points: I64) -> tuple[Mask, F32]:
-    """The cells (cells + 1,) of some points and a rim about them, and the greatest depth there."""
+    """Return a mask (cells + 1,) of points with a rim, and the maximum depth around each cell."""
     front = np.full(len(view.depth), np.nan, np.float32)
     front[view.cells.cell[points]] = view.cells.depth[points]
     rim = widened(np.isfinite(front[:-1]).reshape(view.camera.shape), view.options.mapping.rim_px)
@@ -235,7 +235,7 @@ def _extent(view: View, points: I64) -> tuple[Mask, F32]:
 
 
 class MapBackground(PointBackground):
-    """The scene as it was charted over the whole run; elsewhere what earlier frames show."""
+    """Background from the map of the whole run; elsewhere from earlier frames."""
 
     def __init__(
         self,
@@ -250,9 +250,9 @@ class MapBackground(PointBackground):
         self._drawn: tuple[int, F32, F32] | None = None
 
     def _scene(self, view: View) -> tuple[F32, F32]:
-        """The scene's depth in each cell, and the depth under which something is surely before it.
+        """Return the scene's depth, and the depth below which a point is certainly in front of it.
 
-        What lies behind a person who never goes away is taken to go on as it does around.
+        Behind a person who never leaves, the scene is continued from its surroundings.
         """
         options = self.options.background
         if self._drawn is None or self._drawn[0] != view.number:
@@ -278,14 +278,14 @@ class MapBackground(PointBackground):
         return far | (there & ~known), there & known
 
     def scenery(self, view: View, indices: I64, _frames: int) -> Mask:
-        """See ``Background``; what has stood still for some ``frames`` is charted."""
+        """See ``Background``; surface that was static for some ``frames`` is in the map."""
         known = np.isfinite(self._scene(view)[0][view.cells.cell[indices]])
         return known & ~self.certain(view, indices)
 
     def furniture(self, view: View, indices: I64) -> Mask:
         """See ``PictureBackground``.
 
-        So is what comes into the picture where nothing is charted, but beside what had a label.
+        New surface outside the map is included, except beside labelled points.
         """
         stands = self.static(view, indices)[0]
         new = np.flatnonzero(~stands & ~self.certain(view, indices))
@@ -296,7 +296,7 @@ class MapBackground(PointBackground):
         return stands
 
     def left_behind(self, label: int, frames: int, way: float) -> None:
-        """See ``PictureBackground``; what stood in most frames is charted."""
+        """See ``PictureBackground``; surface that was static in most frames is in the map."""
 
     def certain(self, view: View, indices: I64) -> Mask:
         """See ``Background``."""
@@ -305,7 +305,7 @@ class MapBackground(PointBackground):
 
 
 def _holes(unknown: Mask) -> Mask:
-    """(H, W) what is unknown, and the scene known all around."""
+    """Return a mask (H, W) of unknown regions enclosed by the known scene."""
     part, _ = components_of(unknown)
     rim = np.concatenate([part[0], part[-1], part[:, 0], part[:, -1]])
     return np.asarray(unknown & ~np.isin(part, rim))

@@ -1,4 +1,4 @@
-"""Compiled tests of pixels against the scene, and what each pixel last showed."""
+"""Compiled tests of pixels against the scene, and the last label of each pixel."""
 
 from __future__ import annotations
 
@@ -14,11 +14,10 @@ from pointbrush.tracking.sensors.camera import I32, Projection
 
 
 class LastSeen(NamedTuple):
-    """The farthest ``label`` of each cell, 0 for none, and its ``depth`` when it was last seen.
+    """The farthest ``label`` of each cell, 0 for none, and its ``depth`` when last seen.
 
-    Arrays (cells + 1,), changed in place as frames are learnt.  A cell keeps its label while
-    something nearer hides it, and gives it up when it shows what lies behind, or the object is seen
-    elsewhere.
+    Arrays (cells + 1,), updated in place by each frame.  An occluded cell keeps its label, and
+    loses it when it shows the surface behind, or when the object is seen elsewhere.
     """
 
     label: I32
@@ -26,16 +25,16 @@ class LastSeen(NamedTuple):
 
     @staticmethod
     def nothing(count: int) -> LastSeen:
-        """No label in any of so many cells."""
+        """Return ``count`` cells without labels."""
         return LastSeen(np.zeros(count, np.int32), np.full(count, np.nan, np.float32))
 
     def learn(
         self, seen: F32, owner: I32, limit: F32, known: F32, options: BackgroundOptions
     ) -> Mask:
-        """Take in a frame; which cells show without a label what was labelled there.
+        """Update the cells by a frame; return a mask of unlabelled cells with labelled surface.
 
-        ``seen`` depths and ``owner`` labels of the cells, ``limit`` metres within which a depth is
-        the same, ``known`` depths of the scene, NaN where it was never seen.
+        ``seen``: depths; ``owner``: labels; ``limit``: metres within which depths are equal;
+        ``known``: depths of the scene, NaN where it was never seen.
         """
         return _learnt(self, seen, owner, limit, known, options.stayed_share)
 
@@ -66,7 +65,7 @@ def _learnt(
 
 @compiled
 def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float) -> Mask:
-    """(labels,) which are seen, and mostly elsewhere than before."""
+    """Return a mask (labels,) of visible labels that mostly moved to other cells."""
     label, depth = last
     most = 0
     for c in range(len(seen)):
@@ -80,7 +79,7 @@ def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float
 
 
 class Images(NamedTuple):
-    """Images of an ``ImageBackground``, a value for each cell (cells + 1,), for compiled loops."""
+    """Images of an ``ImageBackground`` (cells + 1,) for compiled loops."""
 
     noise: DepthNoise
     scene: F32
@@ -93,7 +92,7 @@ class Images(NamedTuple):
 
 @innermost
 def _limit(noise: DepthNoise, depth: float, near_sigmas: float) -> float:
-    """Metres within which a depth is the same depth."""
+    """Return the distance (m) within which two depths are equal."""
     return near_sigmas * (noise.still + noise.growing * depth * depth)
 
 
@@ -101,8 +100,10 @@ def _limit(noise: DepthNoise, depth: float, near_sigmas: float) -> float:
 def stood(
     points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise, near_sigmas: float
 ) -> tuple[Mask, Mask]:
-    """See ``Background.static``: ``known`` depths of the background, and those of the ``last``
-    frame where nothing was labelled."""
+    """See ``Background.static``.
+
+    ``known``: depths of the background; ``last``: unlabelled depths of the last frame.
+    """
     cells, depths = points
     count = len(indices)
     far, rest = np.empty(count, np.bool_), np.empty(count, np.bool_)
@@ -132,7 +133,7 @@ def again(
 def furniture(
     points: Projection, indices: I64, known: F32, scene: F32, noise: DepthNoise, near_sigmas: float
 ) -> Mask:
-    """See ``PictureBackground.furniture``: ``known`` depths, and those of the ``scene``."""
+    """See ``PictureBackground.furniture``: ``known`` depths, and depths of the ``scene``."""
     cells, depths = points
     result = np.empty(len(indices), np.bool_)
     for i in range(len(indices)):
@@ -178,7 +179,7 @@ def scenery(
         if not (np.isnan(images.scene[cell]) and np.isnan(images.depth[cell])):
             result[i] = not depth < nearest[cell] - limit
             continue
-        # Uncovered just now, where the scene around goes on: no object came there.
+        # Newly uncovered and continuing the scene around: no object has arrived.
         new = not abs(depth - images.previous[cell]) < limit
         goes_on = new and depth > hidden_share * images.hidden[cell] - limit
         stuck = abs(depth - images.anchor[cell]) < limit and images.age[cell] >= frames
@@ -188,8 +189,10 @@ def scenery(
 
 @compiled
 def keep_up(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
-    """Count the frames for which each cell has been as deep as it is ``seen``, within a ``limit``;
-    one that shows nothing may still be."""
+    """Count the frames in which each cell keeps the depth ``seen``, within a ``limit``.
+
+    Unmeasured cells count as unchanged.
+    """
     for c in range(len(seen)):
         age[c] += 1
         if not (np.isnan(seen[c]) or abs(seen[c] - anchor[c]) < limit[c]):
@@ -198,8 +201,10 @@ def keep_up(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
 
 @compiled
 def take_in(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
-    """Bring the ``known`` depth of each cell nearer to what is ``seen``; what lies farther is known
-    at once."""
+    """Update the ``known`` depth of each cell by a running mean of ``seen`` depths.
+
+    Farther depths replace it at once.
+    """
     share = np.float32(learn_rate)
     for c in range(len(seen)):
         change = seen[c] - known[c]
@@ -211,10 +216,10 @@ def take_in(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
 
 @compiled
 def least(known: F32, shape: tuple[int, int], noise: DepthNoise) -> F32:
-    """(cells + 1,) the least depth that the scene may show in each cell.
+    """Return (cells + 1,) the minimum depth of the scene in each cell.
 
-    ``known`` (cells + 1,) its depth, NaN where unknown.  At an edge the cells beside it are seen
-    as well; where a surface goes on evenly, a slanting one too, it is as deep as it is.
+    ``known`` (cells + 1,): its depth, NaN where unknown.  At a depth edge the minimum of the
+    neighbours counts; on a continuous surface, slanted or not, the depth is unchanged.
     """
     height, width = shape
     result = known.copy()
@@ -231,7 +236,7 @@ def least(known: F32, shape: tuple[int, int], noise: DepthNoise) -> F32:
                     one = known[cell - down * width - along]
                 if row + down < height and 0 <= column + along < width:
                     other = known[cell + down * width + along]
-                # In inverse depth a plane is even: the middle of both ends is as deep as this.
+                # A plane is linear in inverse depth: the mean of both neighbours equals the cell.
                 if abs(2 * one * other - depth * (one + other)) < same * (one + other):
                     continue
                 if one < result[cell]:

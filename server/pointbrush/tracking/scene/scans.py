@@ -19,11 +19,11 @@ from pointbrush.tracking.sensors.view import View
 
 @dataclass(eq=False)
 class PointBackground:
-    """The unlabelled points of earlier frames, found by their k-d trees."""
+    """Background of unlabelled points of earlier frames, searched by their k-d trees."""
 
     options: TrackerOptions
     reach: Callable[[F32], F32]
-    """Points (M, 3) of the world → (M,) metres within which a point is the same point."""
+    """Function of world points (M, 3): (M,) metres within which points are equal."""
     past: list[tuple[View, Mask]] = field(default_factory=list)
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
@@ -31,7 +31,7 @@ class PointBackground:
         return self._seen_in(self.past, view, indices), np.zeros(len(indices), np.bool_)
 
     def _seen_in(self, past: Sequence[tuple[View, Mask]], view: View, indices: I64) -> Mask:
-        """Mark the points (M,) that some of the ``past`` frames have, unlabelled."""
+        """Mark the points (M,) that occur unlabelled in a ``past`` frame."""
         world = view.xyz[indices]
         still = np.zeros(len(indices), np.bool_)
         reach = self.reach(world)
@@ -51,7 +51,7 @@ class PointBackground:
         return still
 
     def _widen(self, view: View, labelled: Mask, some: NDArray[np.floating]) -> None:
-        """Mark what a run missed beside ``some`` (M, 3) of its objects: no background."""
+        """Mark possibly missed points beside ``some`` (M, 3) object points as ``labelled``."""
         if not len(some):
             return
         reach = float(self.options.background.rim_reaches * self.reach(some[:1])[0])
@@ -60,26 +60,25 @@ class PointBackground:
         labelled[rest[close_to(view.xyz[rest], some, reach)]] = True
 
     def scenery(self, _view: View, indices: I64, _frames: int) -> Mask:
-        """See ``Background``; without a depth image there is no more to know."""
+        """See ``Background``; unknown without a depth image."""
         return np.zeros(len(indices), np.bool_)
 
     def certain(self, _view: View, indices: I64) -> Mask:
-        """See ``Background``; without a depth image nothing is known to lie behind."""
+        """See ``Background``; the scene behind is unknown without a depth image."""
         return np.zeros(len(indices), np.bool_)
 
     def faint(self, view: View, indices: I64) -> Mask:
-        """See ``Background``: of what a lidar sees a run may have missed what a person has not
-        left unlabelled."""
+        """See ``Background``; in lidar scans, points that the painted frame does not rule out."""
         if not view.scans:
             return np.zeros(len(indices), np.bool_)
         return ~self._seen_in(self.past[:1], view, indices)
 
     def again(self, _view: View, indices: I64) -> I64:
-        """See ``Background``; without a depth image no place is held."""
+        """See ``Background``; unknown without a depth image."""
         return np.zeros(len(indices), np.int64)
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
-        """See ``Background``; remembers the first frame and two later ones."""
+        """See ``Background``; keeps the first frame and two later ones."""
         if len(view.xyz) == 0:
             return
         labelled = view.labelled()

@@ -1,4 +1,4 @@
-"""Sensor of a run, and the scene at rest before it."""
+"""Sensor of a run, and the static scene."""
 
 from __future__ import annotations
 
@@ -33,9 +33,10 @@ from pointbrush.tracking.sensors.visual_odometry import framed
 
 
 class Scene:
-    """The frames ``order`` of a recording as one sensor sees them.
+    """The frames ``order`` of a recording, seen by one sensor.
 
-    ``first`` frame; ``lens`` of the sensor, or None; ``background`` as far as it was learnt.
+    ``first``: first frame; ``lens``: pixel grid of the sensor or None; ``background``: learnt
+    background model.
     """
 
     def __init__(
@@ -51,11 +52,11 @@ class Scene:
     ) -> None:
         """``reach``: see ``PointBackground``; ``ahead``: a thread may prepare the next frame.
 
-        What is ``known`` of the sensor is not looked for.
-        What is ``painted`` (M,) in the first frame may move, and tells nothing of the sensor.
+        Properties of the sensor in ``known`` are not estimated.  The ``painted`` points (M,) of the
+        first frame may move, and are excluded from estimates of the sensor.
         """
         self._frames, self._order, self.options = frames, order, options
-        # Long arrays most of it, which leave the interpreter to others.
+        # The work is mostly array operations, which release the interpreter lock.
         self._ahead = ThreadPoolExecutor(1) if ahead else None
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
@@ -80,11 +81,11 @@ class Scene:
         self._reach = reach
 
     def _picture_background(self, lens: Lens, painted: I64 | None) -> ImageBackground:
-        """Begin the background of a depth camera at rest, its noise measured on two frames."""
+        """Return the background of a depth camera at rest, with noise measured on two frames."""
         depth, options = self._beside(painted), self.options
         if len(self._order) > 1:
             noise = measure_noise(depth, self._look(self._order[1]).depth, options=options.noise)
-            # In a figure that was cut out of its room nothing need be at rest.
+            # A figure cut out of its room may have no static point.
             far = np.nanmedian(depth, keepdims=True)
             calm = noise(far) < default_noise(options.noise)(far)
             if calm or framed(self.first.frame, lens, options=options):
@@ -93,12 +94,12 @@ class Scene:
         return ImageBackground(options, self._noise, unknown, unknown)
 
     def _steady_it(self) -> None:
-        """See a depth camera that only sways as one at rest."""
+        """Treat a swaying depth camera as a camera at rest."""
         if self.lens is None or self._way is None:
             return
         some = [self._order[0], *self._apart()]
         way = self._way.over(some)
-        poses = [way.pose(number) for number in some]  # a lost one's is the last that was found
+        poses = [way.pose(number) for number in some]  # a lost pose is the last one found
         seen = len(way.lost) <= self.options.background.covered_share * len(some)
         still = (
             steadied(self.lens, self.first.cells.depth, poses, options=self.options)
@@ -110,7 +111,7 @@ class Scene:
             self.first = self._look(self._order[0])
 
     def _beside(self, painted: I64 | None) -> F32:
-        """The first depth image without what is ``painted`` (M,), unless that is nearly all."""
+        """Return the first depth image without ``painted`` points (M,), unless too few remain."""
         depth = self.first.depth.copy()
         if painted is not None:
             depth[self.first.cells.cell[painted]] = np.nan
@@ -121,7 +122,7 @@ class Scene:
         return depth if enough else self.first.depth
 
     def view(self, number: int) -> View:
-        """Frame ``number`` with what is known of the sensor."""
+        """Return frame ``number`` with the sensor's properties."""
         ready, self._ready = self._ready, None
         view = ready[1].result() if ready and ready[0] == number else self._look(number)
         if self._ahead is not None and number in self._following:
@@ -130,7 +131,7 @@ class Scene:
         return view
 
     def close(self) -> None:
-        """Prepare no more."""
+        """Stop preparing frames."""
         if self._ahead is not None:
             self._ahead.shutdown(cancel_futures=True)
 
@@ -151,9 +152,9 @@ class Scene:
         )
 
     def since(self, found: FrameResult, back: Mapping[int, F64], start: int) -> FrameResult:
-        """A result whose poses count from frame ``start``, in the frames' own coordinates.
+        """Return a result with poses relative to frame ``start``, in the frames' coordinates.
 
-        ``back`` label → inverse pose there, in the world.
+        ``back``: inverse pose in that frame, in the world, by label.
         """
         here, there = self._pose(found.frame), self._pose(start)
         tracks = {}
@@ -172,15 +173,15 @@ class Scene:
         return None if self._way is None else self._way.pose(number)
 
     def noise(self, view: View, indices: I64) -> float:
-        """Median depth noise at some points, metres."""
+        """Return the median depth noise (m) at some points."""
         if self.lens is None or not len(indices):
             return 0.0
         return float(np.median(self._noise(view.cells.depth[indices])))
 
     def learn_first(self, *, survey: bool) -> None:
-        """Take in the first frame, whose labels are a person's.
+        """Learn the background of the first frame, which a person labelled.
 
-        ``survey``: learn what is behind large objects from the whole recording.
+        ``survey``: learn the scene behind large objects from the whole recording.
         """
         if survey and self.lens is not None and self._moves:
             self.background = self._charted()
@@ -192,7 +193,7 @@ class Scene:
             self.background.survey(self.first, self._survey())
 
     def _apart(self) -> list[int]:
-        """Frames apart, of the whole run."""
+        """Return spaced frames of the whole run."""
         last = len(self._order) - 1
         return [
             self._order[i]
@@ -223,9 +224,9 @@ class Scene:
 def _sensor(
     first: TrackFrame, others: Sequence[TrackFrame], *, moves: bool, options: TrackerOptions
 ) -> tuple[Lens | None, F64 | None]:
-    """The pixel grid of a sensor, or its place (3,) where neither grid nor frame says it.
+    """Return the sensor's pixel grid, or its position (3,) if neither grid nor frame has it.
 
-    From there the ``others`` were seen as well: what moves through the world has no one place.
+    The position must be valid in the ``others`` as well: a moving sensor has no fixed position.
     """
     lens = find_lens(first, moves=moves, options=options)
     if lens is not None or first.viewpoint is not None:
