@@ -1,1 +1,1 @@
-"""Sensors: what they are, where they were, and the frames that they give."""
+"""Kinds of sensors, their trajectories, and views of their frames."""

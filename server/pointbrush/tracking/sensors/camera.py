@@ -1,4 +1,4 @@
-"""Camera model of a depth camera: pinhole image, found lattice, and a camera that sways."""
+"""Camera model of a depth camera: pinhole image, detected pixel lattice, swaying camera."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ I32 = NDArray[np.int32]
 class Projection(NamedTuple):
     """Projection of points (N,) into a depth image.
 
-    ``cell`` row * width + column, -1 outside; ``depth`` metres along the image's axis.
+    ``cell``: row * width + column, -1 outside; ``depth``: metres along the image's axis.
     """
 
     cell: I32
     depth: F32
 
     def pick(self, indices: I64) -> Projection:
-        """Some of the points (M,)."""
+        """Return the projection of some of the points (M,)."""
         return Projection(self.cell[indices], self.depth[indices])
 
 
 @dataclass(frozen=True, eq=False)
 class Lens:
-    """A pixel grid over the directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
+    """A pixel grid of directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
 
-    ``turn`` (3, 3) takes the frame's axes to the image's, None where they are the same;
-    ``lattice`` whether its pixels are the sensor's own, of one point each.
+    ``turn`` (3, 3): rotation from the frame's axes to the image's, None if they are equal;
+    ``lattice``: whether its pixels are the sensor's own, with one point each.
     """
 
     eye: F32
@@ -56,7 +56,7 @@ class Lens:
 
     @cached_property
     def T_picture_frame(self) -> F64:  # noqa: N802  (named for its direction)
-        """(4, 4) to what is across, down and along the image, from the eye."""
+        """(4, 4) to coordinates across, down and along the image, with the eye as origin."""
         across, down = (a for a in range(3) if a != self.axis)
         turn = np.zeros((3, 3))
         turn[0, across] = turn[1, down] = 1.0
@@ -69,7 +69,7 @@ class Lens:
 
     @cached_property
     def pixels(self) -> Pixels:
-        """The same for compiled loops."""
+        """The lens for compiled loops."""
         across, down = (a for a in range(3) if a != self.axis)
         turn = np.eye(3, dtype=np.float32) if self.turn is None else self.turn
         x, y, z = self.eye.tolist()
@@ -92,7 +92,7 @@ class Pixels(NamedTuple):
 
 @innermost
 def pixel(lens: Pixels, at: tuple[float, float, float], nearest_m: float) -> tuple[int, float]:
-    """Flat cell, -1 outside, and depth of a point in the frame's coordinates."""
+    """Return the flat cell, -1 outside, and the depth of a point in the frame's coordinates."""
     x, y, z = at[0] - lens.eye[0], at[1] - lens.eye[1], at[2] - lens.eye[2]
     turn = lens.turn
     local = (
@@ -121,12 +121,12 @@ def _cells(lens: Pixels, xyz: F32, nearest_m: float) -> tuple[I32, F32]:
 def find_lens(
     frame: TrackFrame, *, moves: bool = False, place: F64 | None = None, options: TrackerOptions
 ) -> Lens | None:
-    """The pixel grid of a pinhole-like frame, None where it has none.
+    """Return the pixel grid of a pinhole-like frame; None if it has none.
 
-    As the import found it, else as the points show it.
-    ``place`` (3,): where its sensor may have been, if it does not say it; the origin else.
-    A sensor that ``moves`` has one only where its lattice shows, or it sees no farther than depth
-    cameras do: a lidar's front view is better followed as one that looks all round.
+    The grid comes from the import or is estimated from the points.  ``place`` (3,): assumed
+    position of a sensor without a recorded one, by default the origin.  For a sensor that ``moves``
+    a grid requires a visible lattice or a depth camera's range: a lidar's front view is tracked
+    better as a range image.
     """
     xyz = np.asarray(frame.xyz)
     if len(xyz) < options.lens.min_points:
@@ -164,9 +164,9 @@ def find_lens(
 
 
 def _faced(local: F64, options: LensOptions) -> tuple[F64, tuple[int, float], F64 | None] | None:
-    """Points (N, 3) before an image, its axis, and the turn (3, 3) there; None as of ``_axis``.
+    """Return points (N, 3) in image axes, the image's axis, and the rotation (3, 3) to it.
 
-    Where they lie about none of the frame's axes they are turned to their mean ray.
+    Points around none of the frame's axes are rotated to their mean ray.  None: see ``_axis``.
     """
     along = _axis(local, options=options)
     if along is not None:
@@ -178,7 +178,7 @@ def _faced(local: F64, options: LensOptions) -> tuple[F64, tuple[int, float], F6
 
 
 def _told(lattice: PixelLattice, options: LensOptions) -> Lens:
-    """The pixel grid that the import found, with a margin about the image as if found here."""
+    """Return the pixel grid found by the import, with a margin around the image."""
     margin = options.margin_px
     least, up = (
         start - margin * pitch for start, pitch in zip(lattice.tangent, lattice.pitch, strict=True)
@@ -214,7 +214,7 @@ def _tangents(local: F64, axis: int, sign: float) -> list[F64]:
 
 
 def _axis(local: F64, options: LensOptions) -> tuple[int, float] | None:
-    """The axis that the points (N, 3) lie about, and 1 or -1, None where they spread too far."""
+    """Return the axis and sign of the direction to points (N, 3); None: they spread too far."""
     for axis in np.argsort(-np.abs(local.mean(axis=0))).tolist():
         sign = 1.0 if local[:, axis].mean() > 0 else -1.0
         depth = sign * local[:, axis]
@@ -225,7 +225,7 @@ def _axis(local: F64, options: LensOptions) -> tuple[int, float] | None:
 
 
 def _facing(local: F64) -> F64:
-    """``axes_along`` the mean ray of the points (N, 3)."""
+    """Return ``axes_along`` the mean ray of the points (N, 3)."""
     rays = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
     forward = rays.mean(axis=0)
     forward /= max(float(np.linalg.norm(forward)), 1e-9)
@@ -233,15 +233,17 @@ def _facing(local: F64) -> F64:
 
 
 def axes_along(forward: F64) -> F64:
-    """(3, 3) rows: right, down and ahead in an image that looks along a unit vector (3,)."""
+    """Return (3, 3) rows right, down and ahead of an image that looks along a unit vector (3,)."""
     right = np.cross(np.eye(3)[np.argmin(np.abs(forward))], forward)
     right /= max(float(np.linalg.norm(right)), 1e-9)
     return np.stack([right, np.cross(forward, right), forward])
 
 
 def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) -> bool:
-    """Whether the points (N, 3) show one surface in each direction, that goes on beside it, and
-    fill at least that share of the image; a person may have ``told`` that the sensor was there.
+    """Return whether points (N, 3) are an image of a sensor at the position of ``lens``.
+
+    Each direction has one surface, continuous with its neighbours, and at least a share ``least``
+    of the image is filled.  ``told``: the position was recorded, so that tolerances are larger.
     """
     cell, depth = lens.cells(np.asarray(xyz, np.float32), options=options)
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
@@ -255,7 +257,7 @@ def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) 
 
 
 def _torn(image: F32, options: LensOptions) -> float:
-    """Share of the pairs of pixels beside each other, inf where empty, that no surface joins."""
+    """Return the share of adjacent pixels, inf if empty, that are not on a common surface."""
     pairs, torn = 0, 0
     for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):
         near, far = np.minimum(one, other), np.maximum(one, other)
@@ -266,10 +268,7 @@ def _torn(image: F32, options: LensOptions) -> float:
 
 
 def _lattice(tangent: F64, options: LensOptions) -> float | None:
-    """Pitch of the lattice that the tangents (N,) of points along one side of an image lie on.
-
-    None where they lie on none.
-    """
+    """Return the pitch of the lattice of tangents (N,) along one side of an image; None: none."""
     values = np.sort(tangent)
     levels = values[np.diff(values, prepend=-np.inf) > options.lattice_tolerance]
     if len(levels) < options.min_lattice_lines or options.min_points_per_line * len(levels) > len(
@@ -282,10 +281,10 @@ def _lattice(tangent: F64, options: LensOptions) -> float | None:
 
 
 def steadied(lens: Lens, depth: F32, poses: Sequence[F64], options: TrackerOptions) -> Lens | None:
-    """The pixel grid in the world of a camera at rest that sees what the sensor saw.
+    """Return the pixel grid, in the world, of a camera at rest that covers a swaying sensor's view.
 
-    ``poses`` (4, 4) ``T_world_frame`` of frames all over a run, in each of which the sensor has
-    ``lens``; ``depth`` (M,) of what it saw.  None where it goes, or turns, too far.
+    ``poses`` (4, 4): ``T_world_frame`` of frames across a run, each with the sensor's ``lens``;
+    ``depth`` (M,): measured depths.  None: it moves or turns too far.
     """
     way = np.array([pose[:3, :3] @ lens.eye + pose[:3, 3] for pose in poses])
     eye = 0.5 * (way.min(axis=0) + way.max(axis=0))

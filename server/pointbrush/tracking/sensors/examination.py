@@ -1,6 +1,6 @@
-"""Facts about a recording's sensor that hold for every run over it, found once.
+"""Properties of a recording's sensor, determined once for all runs.
 
-The place of a sensor that a recording does not tell is found by what it hides and how it samples.
+An unrecorded position of a sensor is estimated from occlusions and the sampling density.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from pointbrush.tracking.sensors.scanner import reach_of
 
 
 def most_even_place(xyz: F64, place: F64, size: float, options: ViewpointOptions) -> F64:
-    """The place (3,) near ``place`` from which points (N, 3) fill an image the most evenly.
+    """Return the position (3,) near ``place`` from which points (N, 3) fill an image most evenly.
 
-    ``size`` metres of the scene.
+    ``size``: size of the scene in metres.
     """
     middle = np.median(xyz, axis=0)
 
@@ -36,7 +36,10 @@ def most_even_place(xyz: F64, place: F64, size: float, options: ViewpointOptions
 def _descended(
     cost: Callable[[F64], float], place: F64, ways: Iterable[F64], step: float, last: float
 ) -> F64:
-    """Go where it costs less, by steps along some ``ways`` (3,) that halve where none helps."""
+    """Return the position of a minimal cost, by coordinate descent along ``ways`` (3,).
+
+    The step is halved when no direction reduces the cost.
+    """
     least, ways = cost(place), list(ways)
     while step > last:
         before = least
@@ -51,10 +54,10 @@ def _descended(
 
 
 def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
-    """Mean log ratio by which parts of the image hold more or fewer points than is usual there.
+    """Return the mean absolute log ratio of points in parts of the image to their usual number.
 
-    What is usual changes slowly over the image where that does not look along its axis.  inf
-    where no image is so wide.
+    The usual number varies smoothly over an image that does not look along its axis.  inf: no image
+    is so wide.
     """
     local = xyz - place
     rays = local / (np.sqrt(np.einsum("ij,ij->i", local, local))[:, None] + 1e-9)
@@ -78,16 +81,16 @@ def unevenness(xyz: F64, place: F64, options: ViewpointOptions) -> float:
 
 
 def _ways(forward: F64) -> F64:
-    """(14, 3) along the axes of an image that looks along ``forward``, and askew in depth."""
+    """Return (14, 3) directions along the axes of an image facing ``forward``, and oblique ones."""
     right, down, ahead = axes_along(forward / max(float(np.linalg.norm(forward)), 1e-9))
     askew = [a + b for a in (right, down, -right, -down) for b in (ahead, -ahead)]
     return np.array([right, down, ahead, -right, -down, -ahead, *askew])
 
 
 def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
-    """The place (3,) of a pinhole-like sensor from its points (N, 3); None where none can be.
+    """Return the position (3,) of a pinhole-like sensor from its points (N, 3); None: none fits.
 
-    It has to be asked whether the points fill an image from there.
+    The caller has to check that the points fill an image from there.
     """
     asked = options.viewpoint
     if len(xyz) < asked.min_points:
@@ -124,7 +127,7 @@ def _thinned(xyz: F32, most: int) -> F64:
 
 
 def _all_round(options: ViewpointOptions) -> F64:
-    """(DIRECTIONS, 3) unit vectors, even: Fibonacci's lattice."""
+    """Return (DIRECTIONS, 3) uniform unit vectors by a Fibonacci lattice."""
     at = np.arange(options.directions) + 0.5
     down, round_ = np.arccos(1 - 2 * at / options.directions), np.pi * (1 + 5**0.5) * at
     across = np.sin(down)
@@ -134,13 +137,13 @@ def _all_round(options: ViewpointOptions) -> F64:
 def _closer(
     xyz: F64, place: F64, gap: float, step: float, last: float, options: TrackerOptions
 ) -> F64:
-    """Go where fewer points are hidden, by steps along the axes that halve where none helps."""
+    """Return a position with fewer hidden points, by coordinate descent with halved steps."""
     ways = (*np.eye(3), *-np.eye(3))
     return _descended(lambda at: _hidden(xyz, at, gap, options), place, ways, step, last)
 
 
 def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
-    """Share of the points (N, 3) that others hide from a place; 1 where no image is so wide."""
+    """Return the share of the points (N, 3) occluded from a position; 1: no image is so wide."""
     local = xyz - place
     away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
     rays = local / away[:, None]
@@ -167,9 +170,9 @@ def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
 
 
 def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:
-    """Find the facts about a recording's sensor in its first ``count`` frames, all of it.
+    """Return the properties of a recording's sensor by its ``count`` frames.
 
-    A camera that lies in a room's coordinates is at rest; where nothing is sure, a run looks again.
+    A camera with frames in room coordinates is at rest; if unsure, each run checks for itself.
     """
     order = range(count)
     first, *others = (frames(order[at]) for at in (0, count // 2, -1))
@@ -190,9 +193,9 @@ def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:
 def lens_at_rest(
     first: TrackFrame, others: Sequence[TrackFrame], known: KnownSensor, options: TrackerOptions
 ) -> Lens | None:
-    """The pixel grid of a camera at rest whose frames lie in a room's coordinates.
+    """Return the pixel grid of a camera at rest with frames in room coordinates.
 
-    It is looked for where no frame tells it; the ``others`` were seen from there as well.
+    It is estimated if the frame does not have it, and must be valid in the ``others`` as well.
     """
     if known.placeless or not _untold(first, options=options):
         return None
@@ -205,7 +208,7 @@ def lens_at_rest(
 
 
 def _untold(frame: TrackFrame, options: TrackerOptions) -> bool:
-    """Whether a frame of a depth camera's reach tells neither place nor pose nor pixel grid."""
+    """Return whether a frame of a depth camera's range has no position, pose or pixel grid."""
     return (
         frame.viewpoint is None
         and frame.pose is None
@@ -218,7 +221,7 @@ def _untold(frame: TrackFrame, options: TrackerOptions) -> bool:
 def _seen_from(
     place: F64, first: TrackFrame, others: Sequence[TrackFrame], options: TrackerOptions
 ) -> Lens | None:
-    """The pixel grid of the ``first`` frame from a place, None unless all were seen from there."""
+    """Return the pixel grid of ``first`` from a position; None: it does not fit all frames."""
     if any(find_lens(f, place=place, options=options) is None for f in others if len(f.xyz)):
         return None
     return find_lens(first, place=place, options=options)

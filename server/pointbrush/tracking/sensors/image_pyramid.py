@@ -1,7 +1,7 @@
-"""A depth camera's frame as pictures, from coarse to fine, and how two of them compare.
+"""Image pyramid of a depth camera's frame, and comparison of two images.
 
-The last channel is the inverse depth, over which planes are linear and the noise of stereo even;
-the others are the colours, free of shading.
+The last channel is the inverse depth, in which planes are linear and stereo noise is uniform; the
+others are colours free of shading.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from pointbrush.tracking.sensors.view import View
 
 
 class Image(NamedTuple):
-    """A picture: ``values`` (height, width, channels), NaN where nothing was measured.
+    """A picture: ``values`` (height, width, channels), NaN where unmeasured.
 
-    ``least`` tangents of the middle of its first pixel, and ``pitch`` of its pixels.
+    ``least``: tangents of the middle of its first pixel; ``pitch``: tangents between pixels.
     """
 
     values: F32
@@ -32,9 +32,9 @@ class Image(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layer:
-    """A frame at one size: its ``image``, and an even part of its pixels.
+    """A level of the pyramid: its ``image``, and a uniform sample of its pixels.
 
-    ``points`` (M, 3) across, down and along the picture, and their ``values`` (M, channels).
+    ``points`` (M, 3): across, down and along the picture; ``values`` (M, channels).
     """
 
     image: Image
@@ -45,9 +45,9 @@ class Layer:
 def picture_of(
     frame: TrackFrame, lens: Lens, aside: I64 | None = None, *, options: TrackerOptions
 ) -> list[Layer]:
-    """The layers of a frame whose sensor has a pixel lattice, the coarsest first.
+    """Return the levels of a frame of a sensor with a pixel lattice, the coarsest first.
 
-    Without the points ``aside`` (M,), which may have moved by themselves.
+    ``aside`` (M,): excluded points, which may have moved independently.
     """
     cell, depth = lens.cells(np.asarray(frame.xyz, np.float32), options=options.lens)
     there = cell >= 0
@@ -96,7 +96,7 @@ def _layer(image: Image, options: VisualOdometryOptions) -> Layer:
 def _seen_at(
     T: F64, point: F64, image: Image, nearest_m: float
 ) -> tuple[float, float, float, float, float]:
-    """A moved point, and the column and row of it, -1 outside the image."""
+    """Return a moved point, and its column and row, -1 outside the image."""
     x = T[0, 0] * point[0] + T[0, 1] * point[1] + T[0, 2] * point[2] + T[0, 3]
     y = T[1, 0] * point[0] + T[1, 1] * point[1] + T[1, 2] * point[2] + T[1, 3]
     z = T[2, 0] * point[0] + T[2, 1] * point[1] + T[2, 2] * point[2] + T[2, 3]
@@ -112,7 +112,7 @@ def _seen_at(
 
 @compiled
 def compared(T: F64, points: F64, values: F32, image: Image, nearest_m: float) -> F32:
-    """(M, channels) what an image shows at moved points, less what it should; NaN outside."""
+    """Return (M, channels) residuals of an image at moved points; NaN outside."""
     off = np.full(values.shape, np.nan, np.float32)
     last = values.shape[1] - 1
     for i in range(len(points)):
@@ -133,9 +133,9 @@ def compared(T: F64, points: F64, values: F32, image: Image, nearest_m: float) -
 def equations(
     T: F64, points: F64, off: F32, image: Image, reach: F64, nearest_m: float
 ) -> tuple[F64, F64]:
-    """The normal equations (6, 6) and (6,) of a shift, then a turn about the camera.
+    """Return the normal equations (6, 6) and (6,) of a translation and a rotation of the camera.
 
-    ``off`` as ``compared`` gives it; ``reach`` (channels,) at which a pixel's weight is a quarter.
+    ``off``: residuals of ``compared``; ``reach`` (channels,): residual at a weight of a quarter.
     """
     H, g, J = np.zeros((6, 6)), np.zeros(6), np.empty(6)
     last = off.shape[1] - 1
@@ -145,7 +145,7 @@ def equations(
             far += (off[i, c] / reach[c]) ** 2 / (last + 1)
         if not np.isfinite(far):
             continue
-        # What is off in one channel is another surface, and says nothing in any.
+        # An outlier in one channel is another surface and is ignored in all channels.
         weight = 1.0 / (1.0 + far) ** 2
         x, y, z, u, v = _seen_at(T, points[i], image, nearest_m)
         row, column = int(v), int(u)

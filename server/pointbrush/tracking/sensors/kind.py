@@ -1,4 +1,4 @@
-"""Kind and place of the sensor of one frame, outside of a run."""
+"""Kind and position of the sensor of a frame, outside of a run."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from pointbrush.tracking.sensors.view import View
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensing:
-    """``kind`` of a sensor, and its ``place`` (3,) in the frame's coordinates or None."""
+    """``kind`` of a sensor, and its position ``place`` (3,) in the frame's coordinates or None."""
 
     kind: SensorKind
     place: F64 | None
 
 
 def sense(frame: PositionsFrame, origin: F64, options: TrackerOptions | None = None) -> Sensing:
-    """Tell a frame's sensor by what the import knows, else by what its points show.
+    """Return a frame's sensor by properties of the import, else by its points.
 
-    Its place is the one that is told, that of the picture which the points fill, the ``origin``
-    (3,) of the source in a frame with a pose, or that from where the points hide nothing of each
-    other; else it is unknown.
+    Its position is the recorded one, the eye of a pixel grid filled by the points, the ``origin``
+    (3,) of the source in a frame with a pose, or a position from which no points occlude others;
+    otherwise it is unknown.
     """
     options = options or TrackerOptions()
     if not len(frame.xyz):
@@ -48,8 +48,10 @@ def sense(frame: PositionsFrame, origin: F64, options: TrackerOptions | None = N
 
 
 def _looks_one_way(frame: PositionsFrame, place: F64, options: TrackerOptions) -> bool:
-    """Whether a sensor looks one way from a place, and no farther than depth cameras do: a picture
-    that was thinned is filled no more."""
+    """Return whether a sensor looks in one direction, within the range of depth cameras.
+
+    This applies to subsampled frames as well, which do not fill an image.
+    """
     local = frame.xyz - place
     rays = local / np.maximum(np.linalg.norm(local, axis=1, keepdims=True), 1e-9)
     straight = float(np.linalg.norm(rays.mean(axis=0)))

@@ -1,4 +1,4 @@
-"""Poses of a lidar: planes of the scenery, registered from scan to scan."""
+"""Poses of a lidar by registration of planes of the scene from scan to scan."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, camera
 def likely_shifts(
     before: F64, here: F64, cell: float, count: int, options: ScanOdometryOptions
 ) -> F64:
-    """Find shifts (count, 3), the likeliest first, that bring the points ``before`` (N, 3) near to
-    those ``here`` (M, 3): metres, along the two axes in which the former are most spread.
+    """Return shifts (count, 3) in metres of points ``before`` (N, 3) to ``here`` (M, 3).
 
-    By phase correlation.  Both thinned to cells of ``cell`` metres; ``before`` turned as ``here``.
+    They come from a phase correlation over the two widest axes, the most likely first.  Both are
+    thinned to cells of ``cell`` metres and have the same rotation.
     """
     pixel = options.shift_pixel_cells * cell
     middle = np.median(before, axis=0)
@@ -69,7 +69,7 @@ def likely_shifts(
 
 
 def _upright(xyz: F64, pixel: float, options: ScanOdometryOptions) -> NDArray[np.float64]:
-    """(WIDTH, WIDTH) where points (N, 3) stand up along the last axis, seen along it."""
+    """Return an image (WIDTH, WIDTH) of structures that extend along the last axis."""
     xyz = xyz[(np.abs(xyz[:, :2]) < (options.shift_side_px // 2 - 1) * pixel).all(axis=1)]
     at = np.floor(xyz[:, :2] / pixel).astype(np.int64) + options.shift_side_px // 2
     number, height = at[:, 0] * options.shift_side_px + at[:, 1], xyz[:, 2]
@@ -97,7 +97,7 @@ class Planes:
 
 
 def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
-    """The patches of a frame (N, 3) thinned to cells, None where it has hardly any."""
+    """Return the patches of a frame (N, 3) thinned to cells; None: too few."""
     odometry, sensor = options.scan_odometry, options.range_image
     xyz = xyz[:: max(1, len(xyz) // odometry.plane_points)]
     if len(xyz) < odometry.min_points:
@@ -107,7 +107,7 @@ def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
     cell = _cell(xyz, least, options=odometry)
     if cell <= 0.0:
         return None
-    # The ground before a sensor is seen by most of its points: what is far counts by its area.
+    # Most points are on the ground near the sensor; thinning makes distant surfaces count by area.
     for _ in range(2):
         cell = _cell(nodes_of(xyz, cell), least, options=odometry)
     some = nodes_of(xyz, cell)
@@ -131,10 +131,10 @@ def _cell(xyz: F64, least: float, options: ScanOdometryOptions) -> float:
 
 
 def _all_ways(normal: F64, options: ScanOdometryOptions) -> I64:
-    """Sorted indices of planes with ``normal`` (M, 3), about as many facing along each axis.
+    """Return sorted indices of planes with ``normal`` (M, 3), about as many for each axis.
 
-    Along a street nearly all are of the ground and the walls, on which a frame may slip.
-    Normal-space sampling, Rusinkiewicz and Levoy 2001.
+    In a street nearly all planes are on the ground and walls, along which a frame could slip.
+    Source: normal-space sampling, Rusinkiewicz and Levoy 2001.
     """
     axis = np.abs(normal).argmax(axis=1)
     ways = [np.flatnonzero(axis == a) for a in range(3)]
@@ -146,9 +146,9 @@ def _all_ways(normal: F64, options: ScanOdometryOptions) -> I64:
 def register(
     planes: Planes, target: cKDTree, start: F64, options: ScanOdometryOptions
 ) -> tuple[F64, float]:
-    """The motion (4, 4) of ``planes`` onto the points of ``target``, from ``start``.
+    """Return the motion (4, 4) of ``planes`` to the points of ``target``, from ``start``.
 
-    Also the share of the planes that are in place after it.
+    The second result is the share of the planes in place after it.
     """
     T = start
     for scale in options.scales_cells:
@@ -180,8 +180,11 @@ def register_anywhere(
     options: ScanOdometryOptions,
     enough: float | None = None,
 ) -> tuple[F64, float]:
-    """The best of ``register`` from the first of ``starts`` (4, 4) and, where that leaves more out
-    of place than ``enough``, from the others and from where the scenery seems to have gone."""
+    """Return the best ``register`` from ``starts`` (4, 4).
+
+    If the first start leaves a share of planes in place below ``enough``, the others and shifts of
+    a phase correlation are tried as well.
+    """
     if enough is None:
         enough = options.rest_share
     best = register(planes, target.tree, starts[0], options=options)
@@ -205,7 +208,7 @@ def _shifted(T: F64, shift: F64) -> F64:
 
 
 def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptions) -> float:
-    """The share of the planes, moved by ``T``, on which something of the target lies."""
+    """Return the share of the planes, moved by ``T``, with points of the target on them."""
     moved = transform(T, planes.at)
     gap, index = target.query(moved, distance_upper_bound=2 * planes.cell)
     there = np.flatnonzero(np.isfinite(gap))
@@ -217,8 +220,10 @@ def in_place(planes: Planes, target: cKDTree, T: F64, options: ScanOdometryOptio
 
 
 def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> Iterator[Motion]:
-    """Yield the motion of the sensor from the first of some frames to each other one, until one
-    shows too little."""
+    """Yield the motion of the sensor from the first frame to each other one.
+
+    The iteration ends at a frame with too few planes.
+    """
     number, *others = numbers
     odometry = options.scan_odometry
     first = planes_of(np.asarray(frames(number).xyz, np.float64), options=options)
@@ -245,8 +250,10 @@ def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> 
 def told_trajectory(
     frames: Frames, order: Sequence[int], options: TrackerOptions
 ) -> tuple[Trajectory | None, F64 | None]:
-    """The way of the sensor over ``order`` as the recording tells it, None where it tells none or
-    rest; and the inverse pose (4, 4) of the first frame, None where it is not told.
+    """Return the recorded trajectory over ``order`` and the first frame's inverse pose (4, 4).
+
+    The trajectory is None without recorded poses or for a sensor at rest; the pose is None if it is
+    not recorded.
     """
     first, *others = (
         recorded_pose(frames(order[at]), options=options.scan_odometry)
@@ -262,7 +269,7 @@ def told_trajectory(
 
 
 def shown_at_rest(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> bool:
-    """Whether each of some frames shows the sensor where it was in the first of them."""
+    """Return whether the sensor is at the same pose in all of some frames."""
     first = frames(numbers[0])
     lens = find_lens(first, moves=True, options=options)
     if lens is None:
@@ -283,10 +290,10 @@ def find_trajectory(
     at_rest: bool = False,
     options: TrackerOptions,
 ) -> Trajectory | None:
-    """The way of the sensor over ``order``, in the first frame of which the world is.
+    """Return the trajectory of the sensor over ``order``, in coordinates of the first frame.
 
-    As the recording tells it, else as the scenery shows it, beside what is ``painted`` (M,) in the
-    first frame; None where the sensor is at rest, which may be known before.
+    It is recorded or estimated from the scene, without the ``painted`` points (M,) of the first
+    frame.  None: the sensor is at rest, which may be known in advance.
     """
     told, back = told_trajectory(frames, order, options=options)
     if told is not None:
@@ -310,7 +317,7 @@ def find_trajectory(
 
 
 def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -> bool:
-    """Whether a lidar tells viewpoints along a way: then its frames lie in the world, at rest."""
+    """Return whether a lidar has moving recorded viewpoints, so that frames are in the world."""
     first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
     if (
         first.viewpoint is None
@@ -323,8 +330,11 @@ def _goes_about(frames: Frames, order: Sequence[int], options: TrackerOptions) -
 
 
 def _of_one(frame: TrackFrame, options: TrackerOptions) -> bool:
-    """Whether one sensor saw a frame: what several saw together, or a figure without its room, has
-    nothing that shows how a sensor moves but what moves itself."""
+    """Return whether a single sensor saw a frame.
+
+    Frames of several sensors, and figures without their room, have no static scene that shows the
+    motion of a sensor.
+    """
     xyz = np.asarray(frame.xyz)
     return (
         frame.viewpoint is not None
@@ -338,7 +348,7 @@ def _share(fit: tuple[F64, float]) -> float:
 
 
 class ScanTrajectory(RegisteredTrajectory):
-    """A sensor's way as the planes of the scenery show it."""
+    """A sensor's trajectory estimated from planes of the scene."""
 
     def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
         super().__init__(frames, order, options)

@@ -1,6 +1,6 @@
 """Range image and ground of a lidar.
 
-An import of a depth camera's frames loads this, but not SciPy, which it has no use for.
+Imports of depth camera frames load this module, so it does not import SciPy at the top level.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from pointbrush.tracking.options.sensors import GroundOptions, RangeImageOptions
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RangeImage:
-    """Ranges around ``eye`` (3,): the ``farthest`` of each cell, metres, inf where none, and 0
-    where the sensor does not look.
+    """Range image around ``eye`` (3,).
 
-    ``up`` the axis that azimuths go round, ``step`` degrees of elevation of a cell.
+    ``farthest``: range of each cell (m), inf if unmeasured, 0 outside the field of view; ``up``:
+    axis of the azimuth; ``step``: degrees of elevation of a cell.
     """
 
     options: TrackerOptions
@@ -29,10 +29,10 @@ class RangeImage:
     step: float
 
     def hides(self, xyz: F64, by: float, own: I64 | None = None, size: float = np.inf) -> Mask:
-        """Mark the points (M, 3) ``by`` metres or more behind every measurement there, or beyond
-        the edges of the field of view.
+        """Mark the points (M, 3) at least ``by`` metres behind measurements or out of view.
 
-        In the directions ``own``, and beside, what is less than ``size`` metres nearer hides none.
+        In and beside the directions ``own``, measurements less than ``size`` metres nearer do not
+        occlude points.
         """
         options = self.options.range_image
         cell, away = _cells(xyz - self.eye, self.up, self.step, options.azimuth_deg)
@@ -47,7 +47,7 @@ class RangeImage:
         return np.asarray(hidden)
 
     def towards(self, xyz: F64) -> I64:
-        """The directions of points (M, 3), each once."""
+        """Return the distinct directions of points (M, 3)."""
         return np.unique(
             _cells(xyz - self.eye, self.up, self.step, self.options.range_image.azimuth_deg)[0]
         )
@@ -56,10 +56,10 @@ class RangeImage:
 def range_image_of(
     xyz: F32, eye: F64, options: TrackerOptions, most: float | None = None
 ) -> RangeImage | None:
-    """The ranges of a frame (N, 3) around ``eye``.
+    """Return the range image of a frame (N, 3) around ``eye``.
 
-    None where it has hardly any points, or was not seen from there: more than the share ``most``
-    lies well behind others.
+    None: it has too few points, or was not seen from there, as more than a share ``most`` lies far
+    behind other points.
     """
     if len(xyz) < options.range_image.min_points:
         return None
@@ -93,7 +93,7 @@ def range_image_of(
 
 
 def _open(image: F32, options: RangeImageOptions) -> F32:
-    """Flat ranges where an ``image`` (R, width) is empty: inf inside of its edges, 0 beyond."""
+    """Return flat ranges for empty cells of an ``image`` (R, width): inf inside it, 0 beyond."""
     from scipy.ndimage import maximum_filter1d
 
     looks = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
@@ -104,10 +104,9 @@ def _open(image: F32, options: RangeImageOptions) -> F32:
 
 
 def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
-    """Find the position of the sensor of a frame (N, 3) without a viewpoint: about its origin, or
-    unknown.
+    """Return the sensor position of a frame (N, 3) without a viewpoint; None: unknown.
 
-    From there each direction shows one surface; from elsewhere surfaces lie behind each other.
+    The position is near the frame's origin, and each direction from it has a single surface.
     """
     if len(xyz) < options.range_image.min_points:
         return None
@@ -126,7 +125,7 @@ def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
     there = range_image_of(xyz, height * above, options, most) is not None and _deep(
         local, options=options.range_image
     )
-    # What is thinned to cells and reaches as far as a lidar does is no figure about its middle.
+    # Frames thinned to cells are accepted at a lidar's range; a figure is smaller.
     there = there and (
         reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
         or _spreads(local, options=options.range_image)
@@ -135,17 +134,19 @@ def find_eye(xyz: F32, options: TrackerOptions) -> F64 | None:
 
 
 def _deep(local: F32 | F64, options: RangeImageOptions) -> bool:
-    """Whether what lies behind something else would be seen to: all of a small object is hardly
-    farther than its front."""
+    """Return whether the depth range suffices to detect occlusions.
+
+    The back of a small object is barely farther than its front.
+    """
     away = np.linalg.norm(local, axis=1)
     near, far = np.quantile(away, [options.stray_share, 1 - options.stray_share])
     return bool(far > options.lidar_depth_ratio * near)
 
 
 def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
-    """Whether points (N, 3) lie farther apart the farther they are, as a sensor sees them.
+    """Return whether the spacing of points (N, 3) increases with the distance, as for a sensor.
 
-    A figure about its own middle shows one surface in each direction too, but is sampled evenly.
+    A figure centred on the origin also has one surface in each direction, but a uniform spacing.
     """
     away = np.linalg.norm(local, axis=1)
     some = np.arange(0, len(local), -(-len(local) // options.min_points))
@@ -161,7 +162,7 @@ def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
 
 
 def reach_of(xyz: F32 | F64, options: RangeImageOptions) -> float:
-    """Metres from the middle of points (N, 3), along each axis, within which most of them lie."""
+    """Return the distance (m), along each axis, within which most points (N, 3) lie."""
     if not len(xyz):
         return 0.0
     away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
@@ -169,12 +170,12 @@ def reach_of(xyz: F32 | F64, options: RangeImageOptions) -> float:
 
 
 def axis_up(local: F32 | F64, options: RangeImageOptions) -> int:
-    """The axis that a spinning sensor looks along the least."""
+    """Return the vertical axis of a spinning sensor: the axis of the smallest extent."""
     return int(np.argmin(np.abs(local[:: max(1, len(local) // options.up_points)]).mean(axis=0)))
 
 
 def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
-    """Share of the points (N, 3) that lie well behind another in their direction."""
+    """Return the share of the points (N, 3) far behind another point in their direction."""
     cell, away = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
     nearest = np.full(
         int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg), np.inf, np.float32
@@ -184,8 +185,10 @@ def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
 
 
 def _confused(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
-    """Share of the points (N, 3), of those with others in the very same direction, that lie well
-    behind another: what several sensors saw, or one elsewhere, is confused so."""
+    """Return the share far behind another point, of points (N, 3) with others in their direction.
+
+    It is large for frames of several sensors, or of a sensor at another position.
+    """
     cell, away = _cells(local, up, options.same_direction_deg, options.same_direction_deg)
     order = np.argsort(cell, kind="stable")
     start = np.flatnonzero(np.diff(cell[order], prepend=-1))
@@ -202,7 +205,7 @@ def _width(azimuth: float) -> int:
 
 
 def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64, F64]:
-    """Flat cell and range of points (M, 3) around the sensor."""
+    """Return the flat cell and range of points (M, 3) around the sensor."""
     across, along = (a for a in range(3) if a != up)
     away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
     around = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
@@ -213,7 +216,7 @@ def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64,
 
 
 def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
-    """Mark the points (N, 3) of a frame hardly higher than the ground there."""
+    """Mark the points (N, 3) of a frame on the ground."""
     none = np.zeros(len(xyz), np.bool_)
     if len(xyz) < options.ground.min_points:
         return none
@@ -238,6 +241,6 @@ def on_ground(xyz: F32, options: TrackerOptions) -> Mask:
 
 
 def _stands(height: F32, options: GroundOptions) -> bool:
-    """Whether the axis points up: most of what is measured densely lies below."""
+    """Return whether the axis points up: the densest measurements are below."""
     low, middle, high = np.quantile(height, [options.stray_share, 0.5, 1 - options.stray_share])
     return bool(middle - low < high - middle)

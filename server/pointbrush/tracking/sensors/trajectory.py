@@ -1,4 +1,4 @@
-"""Trajectory of a sensor: as a recording tells it, or found frame by frame when asked."""
+"""Trajectory of a sensor: recorded, or registered frame by frame on demand."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.options.sensors import ScanOdometryOptions
 
 Motion = Literal["moves", "rests", "unclear"]
-"""Motion of a sensor between two frames, as far as they show it."""
+"""Motion of a sensor between two frames."""
 
 
 class Trajectory(ABC):
     """``T_world_frame`` of each frame; the world is the first frame of a run.
 
-    ``lost`` frames that showed too little to tell, and are taken to be where the last one was.
+    ``lost``: frames with too little scene for a registration, which keep the last pose.
     """
 
     def __init__(self) -> None:
@@ -27,18 +27,18 @@ class Trajectory(ABC):
 
     @abstractmethod
     def pose(self, number: int) -> F64:
-        """The pose (4, 4) of frame ``number``."""
+        """Return the pose (4, 4) of frame ``number``."""
 
     def over(self, _some: Sequence[int]) -> Trajectory:
-        """The way over some frames, the first of them that of the run, at their cost alone."""
+        """Return a trajectory that computes only some frames, starting with the run's first."""
         return self
 
 
 class RecordedTrajectory(Trajectory):
-    """A way that the recording tells."""
+    """A recorded trajectory."""
 
     def __init__(self, frames: Frames, back: F64, options: TrackerOptions) -> None:
-        """``back`` (4, 4) from where the recording counts to the world."""
+        """``back`` (4, 4): from the recording's coordinates to the world."""
         super().__init__()
         self._frames, self._back, self.options = frames, back, options
 
@@ -49,7 +49,7 @@ class RecordedTrajectory(Trajectory):
 
 
 def recorded_pose(frame: TrackFrame, options: ScanOdometryOptions) -> F64 | None:
-    """The pose of a frame as the recording tells it, None where that is no motion of space."""
+    """Return the recorded pose of a frame; None: it is not a rigid motion."""
     pose = frame.pose
     if pose is None or abs(float(np.linalg.det(pose[:3, :3])) - 1.0) > options.max_skew:
         return None
@@ -57,7 +57,7 @@ def recorded_pose(frame: TrackFrame, options: ScanOdometryOptions) -> F64 | None
 
 
 class RegisteredTrajectory(Trajectory):
-    """A way that the frames ``order`` show, each registered to those before it."""
+    """A trajectory over the frames ``order``, each registered to earlier ones."""
 
     def __init__(self, frames: Frames, order: Sequence[int], options: TrackerOptions) -> None:
         super().__init__()
@@ -65,7 +65,7 @@ class RegisteredTrajectory(Trajectory):
         self._poses = [np.eye(4)]
 
     def pose(self, number: int) -> F64:
-        """The pose of frame ``number``; frames before it are registered first."""
+        """Return the pose of frame ``number``; earlier frames are registered first."""
         at = self._order.index(number)
         while len(self._poses) <= at:
             here = self._frames(self._order[len(self._poses)])
@@ -74,4 +74,4 @@ class RegisteredTrajectory(Trajectory):
 
     @abstractmethod
     def _registered(self, frame: TrackFrame) -> F64:
-        """The pose of the ``frame`` that follows those whose poses are known."""
+        """Return the pose of the ``frame`` after the last registered one."""

@@ -1,7 +1,7 @@
-"""One frame as `auto` sees it: points in the world, colour free of shading, a depth image.
+"""View of a frame for `auto`: points in the world, colours free of shading, a depth image.
 
-The depth image exists where the sensor is pinhole-like (``camera.py``).  It serves to tell what
-stood still, what is hidden and what is seen through.
+The depth image exists for pinhole-like sensors (``camera.py``).  It distinguishes static, occluded
+and seen-through points.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from pointbrush.tracking.sensors.scanner import (
 )
 
 WHITE = 765.0
-"""Greatest sum of a colour's channels."""
+"""Maximum sum of a colour's channels."""
 
 
 @dataclass(eq=False)
@@ -43,18 +43,18 @@ class View:
     options: TrackerOptions
     T_world_frame: F64 | None = None
     about: F64 | None = None
-    """(3,) where the sensor seems to be, local, for frames that do not say it."""
+    """Estimated sensor position (3,), local, for frames without a recorded one."""
     steady: bool = False
-    """Whether the lens is that of a sensor at rest in the world, and not the frame's own."""
+    """Whether the lens is fixed in the world, instead of in the frame's coordinates."""
     labels: dict[int, I64] = field(default_factory=dict)
     people: Collection[int] = ()
-    """Labels of those who are followed together."""
+    """Labels of jointly tracked people."""
 
     @cached_property
     def xyz(self) -> F32:
         """(N, 3) float32 in the world, in this process's memory.
 
-        Raises BadInputError where a position is no number: compiled loops rely on it.
+        Raises BadInputError for positions that are not finite, because compiled loops need it.
         """
         T = self.T_world_frame
         local = np.array(self.frame.xyz, np.float32)
@@ -67,13 +67,13 @@ class View:
         return (local @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
 
     def prepare(self) -> None:
-        """Work out what several threads will ask for."""
+        """Compute the properties shared by several threads."""
         _ = self.xyz, self.frame.rgb
         _ = self.depth if self.lens is not None else (self.shade, self.ground)
 
     @cached_property
     def eye(self) -> F64 | None:
-        """(3,) the sensor in the world, None where unknown."""
+        """Sensor position (3,) in the world, None if unknown."""
         at = self.frame.viewpoint
         if at is None and self.lens is not None:
             return self.lens.eye.astype(np.float64)
@@ -84,7 +84,7 @@ class View:
         return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
 
     def box(self, lo: F64, hi: F64) -> I64:
-        """Sorted indices of the points inside a box of the world."""
+        """Return sorted indices of the points inside a box of the world."""
         return in_box(self._runs, lo, hi)
 
     @cached_property
@@ -92,7 +92,10 @@ class View:
         return runs_of(self.xyz)
 
     def colour(self, indices: I64) -> F32:
-        """(M, 3) two of hue, free of shading, and a little brightness; zeros without colour."""
+        """Return (M, 3) two channels of hue, free of shading, and one of weak brightness.
+
+        They are zero without colours.
+        """
         options = self.options.tint
         if self.frame.rgb is None:
             return np.zeros((len(indices), 3), np.float32)
@@ -100,14 +103,14 @@ class View:
 
     @cached_property
     def _rgb(self) -> NDArray[np.uint8]:
-        """(N, 3); some of them are taken all the time."""
+        """(N, 3) colours, cached for frequent indexing."""
         return np.array(self.frame.rgb)
 
     @property
     def camera(self) -> Lens:
-        """The lens of a frame that has a depth image; no one else may be asked about one.
+        """The lens of a frame with a depth image.
 
-        Raises RuntimeError where there is none.
+        Raises RuntimeError if the frame has none.
         """
         if self.lens is None:
             raise RuntimeError(f"frame {self.number}: expected a depth image, its sensor has none")
@@ -115,7 +118,7 @@ class View:
 
     @property
     def T_world_lens(self) -> F64 | None:  # noqa: N802  (named for its direction)
-        """(4, 4) from the coordinates of the lens, the frame's as a rule; None where the same."""
+        """(4, 4) from the lens's coordinates, usually the frame's; None if they are the world's."""
         return None if self.steady else self.T_world_frame
 
     @cached_property
@@ -125,11 +128,11 @@ class View:
 
     @cached_property
     def T_picture_world(self) -> F64:  # noqa: N802
-        """(4, 4) from the world to what is across, down and along the image; needs a camera."""
+        """(4, 4) from the world to axes across, down and along the image; needs a camera."""
         return self.camera.T_picture_frame @ self.T_lens_world
 
     def labelled(self, but: Collection[int] = ()) -> Mask:
-        """(N,) points of any of the labels ``but`` some, a new array."""
+        """Return a new mask (N,) of the points of all labels except ``but``."""
         mask = np.zeros(len(self.xyz), np.bool_)
         for label, points in self.labels.items():
             if label not in but:
@@ -146,7 +149,7 @@ class View:
 
     @cached_property
     def depth(self) -> F32:
-        """(cells + 1,) depth image, NaN where nothing was measured and in the last entry."""
+        """(cells + 1,) depth image, NaN where unmeasured and in the last entry."""
         height, width = self.camera.shape
         image = np.full(height * width + 1, np.nan, np.float32)
         cell, depth = self.cells
@@ -155,30 +158,30 @@ class View:
         return image
 
     def marked(self, points: I64) -> Mask:
-        """(cells + 1,) the pixels that show some of the ``points`` (M,)."""
+        """Return a mask (cells + 1,) of the pixels of ``points`` (M,)."""
         mask = np.zeros(len(self.depth), np.bool_)
         mask[self.cells.cell[points]] = True
         return mask
 
     def around(self, points: I64) -> Mask:
-        """(cells,) the same pixels, and those that touch them."""
+        """Return a mask (cells,) of the pixels of ``points`` and of adjacent pixels."""
         return widened(self.marked(points)[:-1].reshape(self.camera.shape), 1).ravel()
 
     @cached_property
     def shade(self) -> RangeImage | None:
-        """The nearest range in each direction, in the world, where there is no depth image."""
+        """Range image in the world, for frames without a depth image."""
         return (
             None if self.eye is None else range_image_of(self.xyz, self.eye, options=self.options)
         )
 
     @cached_property
     def low(self) -> Mask:
-        """(N,) points of the ground, on which a moving sensor without pixels sees ever others."""
+        """(N,) mask of ground points of a moving sensor without a pixel grid."""
         return self.ground if self.roams else np.zeros(len(self.xyz), np.bool_)
 
     @cached_property
     def ground(self) -> Mask:
-        """(N,) points that a lidar sees of the ground; none where no lidar is."""
+        """(N,) mask of ground points in lidar scans; empty for other sensors."""
         xyz = np.asarray(self.frame.xyz, np.float32)
         if not self.scans:
             return np.zeros(len(xyz), np.bool_)
@@ -188,7 +191,7 @@ class View:
 
     @cached_property
     def up(self) -> int:
-        """The axis of the world that points up, or down, before a lidar."""
+        """The vertical axis of the world, up or down, in lidar scans."""
         return axis_up(
             self.xyz - (np.median(self.xyz, axis=0) if self.eye is None else self.eye),
             options=self.options.range_image,
@@ -196,8 +199,10 @@ class View:
 
     @cached_property
     def roams(self) -> bool:
-        """Whether a sensor without a pixel grid moves, as a lidar on a car does, or may do: frames
-        that lie in the world do not tell where their lidar was."""
+        """Whether a sensor without a pixel grid moves, or may move, such as a lidar on a car.
+
+        Frames in world coordinates do not have the lidar's position.
+        """
         if self.lens is not None:
             return False
         return self.T_world_frame is not None or (
@@ -206,8 +211,11 @@ class View:
 
     @cached_property
     def kind(self) -> SensorKind:
-        """Kind of the sensor: a lidar, or several, moves without a pixel grid, looks all round
-        from one place, or sees farther than depth cameras do."""
+        """Kind of the sensor.
+
+        One or several lidars move without a pixel grid, look around from one position, or have a
+        larger range than depth cameras.
+        """
         if self.lens is not None:
             return "camera"
         scans = (
@@ -229,7 +237,7 @@ class View:
     def firm(self, indices: I64, step: float) -> Mask:
         """Mark the points (M,) on a surface, with no depth jump of ``step`` metres beside them.
 
-        What lies between two surfaces at an outline belongs to neither.
+        Points between two surfaces at an outline belong to neither.
         """
         if self.lens is None:
             return np.ones(len(indices), np.bool_)
@@ -255,7 +263,7 @@ class View:
             return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
 
     def sees_through(self, world: F64, margin: float) -> Mask:
-        """Mark the positions (M, 3) more than ``margin`` metres before the picture's depth."""
+        """Mark the positions (M, 3) more than ``margin`` metres in front of the picture's depth."""
         cell, depth = self.project(world)
         with np.errstate(invalid="ignore"):
             return np.asarray(self.depth[cell] > depth + margin)
@@ -265,7 +273,7 @@ class View:
 def _tints(
     rgb: NDArray[np.uint8], indices: I64, red_weight: float, dark_sum: float, brightness: float
 ) -> F32:
-    """(M, 3) chromaticities red against green and blue against both, and a little brightness."""
+    """Return (M, 3) chromaticities, red against green and blue against both, and brightness."""
     result = np.empty((len(indices), 3), np.float32)
     for i in range(len(indices)):
         at = indices[i]

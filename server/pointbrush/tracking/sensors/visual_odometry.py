@@ -1,9 +1,8 @@
 """Dense visual odometry of a depth camera: all pixels at once, coarse to fine.
 
-Colours must stay the same where a surface is seen again, and its distance must be the one that the
-motion predicts.  What moves by itself, and outlines, are outvoted.  Source: dense visual odometry,
-Steinbruecker, Sturm and Cremers 2011, Kerl, Sturm and Cremers 2013, with the robust weight of Geman
-and McClure 1985.
+The motion minimises differences of colours and of depths between two pictures; moving objects and
+outlines are outliers.  Source: dense visual odometry, Steinbruecker, Sturm and Cremers 2011, Kerl,
+Sturm and Cremers 2013, with the robust weight of Geman and McClure 1985.
 """
 
 from __future__ import annotations
@@ -25,16 +24,17 @@ from pointbrush.tracking.sensors.image_pyramid import Image, Layer, compared, eq
 from pointbrush.tracking.sensors.trajectory import Motion, RegisteredTrajectory, Trajectory
 
 SPREAD = 1.4826
-"""Standard deviation over median deviation, of normally distributed values."""
+"""Ratio of standard deviation to median deviation of normally distributed values."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
-    """``T`` (4, 4) onto the other picture, in the frames' coordinates.
+    """Motion between two pictures.
 
-    ``agree`` 0..1 how well the pictures agree then, ``before`` how well as they are; ``shift`` by
-    how many pixels of the finest picture the motion moves the scene, at the median.  ``off``
-    (M, channels) what is left between the pictures, and ``scale`` (channels,) of what agrees.
+    ``T`` (4, 4): motion to the other picture, in the frames' coordinates; ``agree`` and ``before``:
+    agreement of the pictures, 0 to 1, with and without the motion; ``shift``: median motion of the
+    scene in pixels of the finest picture; ``off`` (M, channels): residuals; ``scale`` (channels,):
+    standard deviation of inliers.
     """
 
     T: F64
@@ -52,10 +52,10 @@ def motion_between(
     starts: Sequence[F64],
     options: TrackerOptions,
 ) -> Fit:
-    """The motion of ``one`` picture's scene to where the ``other`` shows it.
+    """Return the motion of the scene from the picture ``one`` to the ``other``.
 
-    ``starts`` (4, 4) where to begin, in the frames' coordinates; where that leads far away, turns
-    about the first are tried too.
+    ``starts`` (4, 4): initial motions, in the frames' coordinates.  If the result is far from all
+    of them, rotations of the first are tried as well.
     """
     to = lens.T_picture_frame
     back = np.linalg.inv(to)
@@ -73,7 +73,7 @@ def motion_between(
 def _turned_starts(
     layer: Layer, target: Layer, begun: Sequence[F64], options: TrackerOptions
 ) -> list[F64]:
-    """The best of the motions ``begun`` and of turns about the first, each mended a little."""
+    """Return the best of the motions ``begun`` and of rotations of the first, slightly refined."""
     motion = options.visual_odometry
     tried = [
         _mended(layer, target.image, start, motion.tried_iterations, options=options)
@@ -83,7 +83,7 @@ def _turned_starts(
 
 
 def _rigid(T: F64) -> F64:
-    """The motion of space nearest to a product of motions, whose errors would add up."""
+    """Return the rigid motion nearest to a product of motions, to avoid rounding drift."""
     result = T.copy()
     result[:3, :3] = Rotation.from_matrix(T[:3, :3]).as_matrix()
     return result
@@ -92,7 +92,7 @@ def _rigid(T: F64) -> F64:
 def _followed(
     one: Sequence[Layer], other: Sequence[Layer], found: list[F64], options: TrackerOptions
 ) -> F64:
-    """The best of some motions, mended from the coarse to the fine."""
+    """Return the best of some motions, refined from coarse to fine levels."""
     for layer, target in zip(one, other, strict=True):
         found = [
             _mended(layer, target.image, T, options.visual_odometry.iterations, options=options)
@@ -104,7 +104,7 @@ def _followed(
 
 
 def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
-    """Turns of a camera aside and upward by some pixels."""
+    """Return rotations of a camera sideways and upward by some pixels."""
     x, y = image.pitch
     turns = []
     for aside, upward in product(options.start_aside_px, options.start_upward_px):
@@ -115,7 +115,7 @@ def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
 
 
 def _best(layer: Layer, image: Image, found: list[F64], options: TrackerOptions) -> list[F64]:
-    """The motions, the one by which the pictures agree best first."""
+    """Return the motions in descending order of agreement of the pictures."""
     off = [_off(layer, image, T, options=options.lens) for T in found]
     scale = np.min([_scale(each, options=options.visual_odometry) for each in off], axis=0)
     order = np.argsort(
@@ -129,7 +129,7 @@ def _off(layer: Layer, image: Image, T: F64, options: LensOptions) -> F32:
 
 
 def _scale(off: F32, options: VisualOdometryOptions) -> F64:
-    """(channels,) deviation of what agrees; infinite where hardly anything can be compared."""
+    """Return (channels,) the robust standard deviation; inf if too few pixels are compared."""
     there = off[np.isfinite(off[:, -1])]
     if len(there) < options.min_pixels:
         return np.full(off.shape[1], np.inf)
@@ -144,7 +144,7 @@ def _agreement(off: F32, scale: F64, options: VisualOdometryOptions) -> float:
 
 
 def _shift(layer: Layer, T: F64, start: F64) -> float:
-    """By how many pixels two motions displace the scene differently, at the median."""
+    """Return the median difference, in pixels, of the scene's positions by two motions."""
     ends = [transform(motion, layer.points) for motion in (T, start)]
     ahead = (ends[0][:, 2] > 0) & (ends[1][:, 2] > 0)
     if not ahead.any():
@@ -154,7 +154,7 @@ def _shift(layer: Layer, T: F64, start: F64) -> float:
 
 
 def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
-    """A motion made better by Gauss and Newton's steps."""
+    """Return a motion refined by Gauss-Newton steps."""
     odometry, nearest_m = options.visual_odometry, options.lens.nearest_m
     away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
     for _ in range(steps):
@@ -185,8 +185,9 @@ def camera_motions(
 ) -> Iterator[Motion]:
     """Yield the motion of the sensor from the first of some frames to each other one.
 
-    What is ``painted`` (M,) in the first, people as a rule, may move by itself and does not tell;
-    nor does a frame that shows hardly anything of the scene, as behind who stops the recording.
+    Points ``painted`` (M,) in the first, usually people, may move independently and are excluded.
+    A frame with too little of the scene, such as behind a person stopping the recording, is
+    unclear.
     """
     first, *others = numbers
     odometry = options.visual_odometry
@@ -206,9 +207,9 @@ def camera_motions(
 
 
 def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
-    """Whether a scene goes on to the borders of its picture.
+    """Return whether the scene extends to the borders of its picture.
 
-    Where a figure was cut out of it, only what moves is left, and shows no way of a camera.
+    A figure cut out of its scene has only moving points, which do not show a camera's motion.
     """
     height, width = lens.shape
     seen = np.zeros(height * width + 1, np.bool_)
@@ -216,7 +217,7 @@ def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
     image = seen[:-1].reshape(height, width)
     if not image.any():
         return False
-    # A pixel grid that the import found has a wider margin than one that is found here.
+    # A pixel grid found by the import has a wider margin than a grid detected here.
     rows, columns = (np.flatnonzero(image.any(axis=axis)) for axis in (1, 0))
     image = image[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     band = max(1, int(options.visual_odometry.band_share * min(image.shape)))
@@ -225,11 +226,11 @@ def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
 
 
 class CameraTrajectory(RegisteredTrajectory):
-    """A depth camera's way as its pictures show it.
+    """A depth camera's trajectory by visual odometry.
 
-    A frame is registered to the one before, and from there to the oldest one most of which it
-    still shows, so that errors do not add up from frame to frame.  One that agrees with none, as
-    behind a hand before the lens, is looked for where older ones were.
+    A frame is registered to the last one, and then to the oldest keyframe with most of its scene,
+    to avoid drift.  A frame without agreement, such as with a hand in front of the lens, is
+    relocalised at older keyframes.
     """
 
     def __init__(
@@ -240,8 +241,7 @@ class CameraTrajectory(RegisteredTrajectory):
         lens: Lens,
         painted: I64 | None = None,
     ) -> None:
-        """Points ``painted`` (M,) in the first frame may move by itself, and tells
-        nothing."""
+        """``painted`` (M,): points of the first frame that may move, excluded from registration."""
         super().__init__(frames, order, options)
         self._lens, self._painted = lens, painted
         first = _Key(picture_of(frames(order[0]), lens, painted, options=options), np.eye(4))
@@ -282,7 +282,7 @@ class CameraTrajectory(RegisteredTrajectory):
         return motion_between(key.picture, here, self._lens, starts, options=self.options)
 
     def _lost(self, fit: Fit) -> bool:
-        """Whether hardly anything agrees as well as it usually does."""
+        """Return whether too few pixels agree."""
         options = self.options.visual_odometry
         return (
             self._scale is None
@@ -290,14 +290,13 @@ class CameraTrajectory(RegisteredTrajectory):
         )
 
     def _apart(self, key: _Key, pose: F64) -> float:
-        """Pixels of the finest picture between where a key shows the scene and where ``pose``
-        would."""
+        """Return the shift, in pixels of the finest picture, from a key's view to ``pose``."""
         to = self._lens.T_picture_frame
         return _shift(key.picture[-1], to @ inverse(pose) @ key.pose @ np.linalg.inv(to), np.eye(4))
 
 
 class _Key(NamedTuple):
-    """A picture that others are registered to, and its ``T_world_frame``."""
+    """A keyframe: its picture and ``T_world_frame``."""
 
     picture: list[Layer]
     pose: F64
