@@ -1,9 +1,9 @@
-"""Nearest points: a grid of columns over the two directions in which a cloud is widest.
+"""Nearest neighbours in a grid of columns over the two widest axes of a cloud.
 
-Points measured on surfaces fill few cells of a grid in space, and few lie behind each other, so
-that columns hold a handful each.  A search goes outward from the column of the wanted point, ring
-by ring, and ends where nothing nearer can come.  Source: Bentley, Weide and Yao 1980, with colour
-as part of the distance.
+Points on surfaces fill few cells of a grid in space, and few lie behind each other, so that a
+column has a handful of points.  A search proceeds from the column of the query point outward, ring
+by ring, until no nearer point is possible.  Source: Bentley, Weide and Yao 1980, with colour as
+part of the distance.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 Triple = tuple[float, float, float]
 PER_COLUMN = 3.0
-"""Points of a column, if they were spread evenly over the whole width."""
+"""Mean number of points of a column, for points spread uniformly."""
 
 
 NONE: F32 = np.empty((0, 3), np.float32)
-"""Tints of points without."""
+"""Tints of points without colour."""
 
 
 class Columns(NamedTuple):
     """Points (N, 3), in metres, sorted by column, for searches in place and colour.
 
-    ``tint`` (N, 3) their colours times ``weight``, metres per unit of colour; (0, 3), and 0.0,
-    where colour does not count.  ``order`` (N,) the points' numbers as they were given.  There are
-    ``along`` x ``across`` square columns, ``size`` metres wide: column (i, j) has the points sorted
-    from ``start[i * across + j]`` up to the next entry.  ``axes`` are the two axes that they lie
-    over, ``low`` (2,) the least coordinate on each.
+    ``tint`` (N, 3): their colours times ``weight``, metres per unit of colour; (0, 3), and 0.0,
+    if colour does not count.  ``order`` (N,): original indices of the points.  There are
+    ``along`` x ``across`` square columns, ``size`` metres wide: column (i, j) has the sorted points
+    from ``start[i * across + j]`` up to the next entry.  ``axes``: the two axes of the grid;
+    ``low`` (2,): the minimum coordinate on each.
     """
 
     xyz: F64
@@ -48,16 +48,16 @@ class Columns(NamedTuple):
 
 @innermost
 def _slot(at: float, count: int) -> int:
-    """Return the slot, of ``count``, that holds ``at``; the first or the last for values outside.
+    """Return the slot, of ``count``, that contains ``at``; values outside are clipped.
 
-    Compiled loops do not check what they index with: what is no number goes to the first.
+    Compiled loops do not check indices, so NaN maps to the first slot.
     """
     return int(min(at, count - 1.0)) if at > 0.0 else 0
 
 
 @compiled
 def _extent(xyz: F64) -> tuple[F64, F64]:
-    """Lowest corner (3,) and size (3,) of the box around the finite points (N, 3)."""
+    """Return the lowest corner (3,) and size (3,) of the box around finite points (N, 3)."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for i in range(len(xyz)):
         for a in range(3):
@@ -68,7 +68,7 @@ def _extent(xyz: F64) -> tuple[F64, F64]:
 
 @compiled
 def columns(xyz: F64, tint: F32, weight: float) -> Columns:
-    """Sort points (N, 3) with ``tint`` (N, 3), times ``weight``, where that is not zero."""
+    """Return the columns of points (N, 3), with ``weight`` times ``tint`` (N, 3) if not zero."""
     count = len(xyz)
     low, extent = _extent(xyz)
     thin = 0
@@ -110,16 +110,16 @@ def columns(xyz: F64, tint: F32, weight: float) -> Columns:
 
 @compiled
 def spans(grid: Columns) -> I64:
-    """Room for what a search has to look through at a time."""
+    """Return a buffer for the ranges of sorted points in a ring of columns."""
     return np.empty((4 * max(grid.along, grid.across) + 4, 2), np.int64)
 
 
 @innermost
 def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) -> int:
-    """Number of stretches of sorted points, now in ``room``, that a ring of columns holds.
+    """Write the ranges of sorted points in a ring of columns to ``room``; return their number.
 
-    It lies around (u, v); columns ``best`` square metres away or farther are left out.  -1 where
-    they all are, and so are those of larger rings.
+    The ring is around (u, v).  Columns at a squared distance of ``best`` or more are left out; -1
+    if this applies to all, also of larger rings.
     """
     size, along, across = grid.size, grid.along, grid.across
     row, column = _slot(u / size, along), _slot(v / size, across)
@@ -151,7 +151,7 @@ def _ring(grid: Columns, u: float, v: float, ring: int, best: float, room: I64) 
 
 @innermost
 def _square(grid: Columns, at: int, point: Triple, tint: Triple) -> float:
-    """Square of the distance to the point that is sorted ``at``."""
+    """Return the squared distance to the point at the sorted position ``at``."""
     (x, y, z), (r, g, b) = point, tint
     dx, dy, dz = grid.xyz[at, 0] - x, grid.xyz[at, 1] - y, grid.xyz[at, 2] - z
     square = float(dx * dx + dy * dy + dz * dz)
@@ -165,10 +165,10 @@ def _square(grid: Columns, at: int, point: Triple, tint: Triple) -> float:
 def nearest_one(
     grid: Columns, point: Triple, tint: Triple, most: float, room: I64, likely: int = -1
 ) -> tuple[float, int]:
-    """Square of the distance to the nearest point, and where it is sorted; -1 for none.
+    """Return the squared distance and sorted position of the nearest point; -1: none.
 
-    ``point`` and ``tint`` in metres; nearer than ``most`` metres; ``room`` as of ``spans``;
-    ``likely`` where a point is sorted beyond which there is nothing to look for.
+    ``point`` and ``tint`` in metres; ``most``: maximum distance (m); ``room``: see ``spans``;
+    ``likely``: sorted position of a point that bounds the search.
     """
     x, y, z = point
     r, g, b = tint
@@ -197,7 +197,7 @@ def nearest_one(
 
 @innermost
 def toned(grid: Columns, colour: F32, i: int) -> Triple:
-    """One of the colours (M, 3), in metres as the grid's; zeros where it has none."""
+    """Return one of the colours (M, 3) in the grid's metres; zeros if the grid has none."""
     if not len(grid.tint):
         return 0.0, 0.0, 0.0
     weight = grid.weight
@@ -206,10 +206,10 @@ def toned(grid: Columns, colour: F32, i: int) -> Triple:
 
 @compiled
 def nearest(grid: Columns, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
-    """Distances (M,) below ``most`` metres, and indices (M,), of the nearest to points (M, 3).
+    """Return distances (M,) below ``most`` metres and indices (M,) of neighbours of (M, 3).
 
-    ``colour`` (M, 3) counts where the grid has any.  Where nothing is so near the distance is
-    ``most`` and the index -1.
+    ``colour`` (M, 3) counts if the grid has colours.  Without a neighbour the distance is ``most``
+    and the index -1.
     """
     count, room = len(xyz), spans(grid)
     distance, index = np.full(count, most), np.full(count, -1)
@@ -223,7 +223,7 @@ def nearest(grid: Columns, xyz: F64, colour: F32, most: float) -> tuple[F64, I64
 
 @innermost
 def any_near(grid: Columns, point: Triple, tint: Triple, most: float) -> bool:
-    """Whether a point is less than ``most`` metres away; see ``nearest_one``."""
+    """Return whether a point is closer than ``most`` metres; see ``nearest_one``."""
     x, y, z = point
     r, g, b = tint
     size, along, across = grid.size, grid.along, grid.across
@@ -243,7 +243,7 @@ def any_near(grid: Columns, point: Triple, tint: Triple, most: float) -> bool:
 
 @compiled
 def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
-    """Mark the points (M, 3) with one less than ``most`` metres away; see ``nearest``."""
+    """Mark the points (M, 3) with a neighbour closer than ``most`` metres; see ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         point = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
@@ -253,7 +253,7 @@ def any_near_each(grid: Columns, xyz: F64, colour: F32, most: float) -> Mask:
 
 @compiled
 def nearer_than(grid: Columns, xyz: F64, colour: F32, most: F64) -> Mask:
-    """Mark the points (M, 3) with one less than ``most`` (M,) metres away; see ``nearest``."""
+    """Mark the points (M, 3) with a neighbour closer than ``most`` (M,) metres; see ``nearest``."""
     found = np.empty(len(xyz), np.bool_)
     for i in range(len(xyz)):
         point = (xyz[i, 0], xyz[i, 1], xyz[i, 2])
@@ -263,9 +263,9 @@ def nearer_than(grid: Columns, xyz: F64, colour: F32, most: F64) -> Mask:
 
 @compiled
 def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
-    """Distances (M, 3) below ``most`` metres, and indices (M, 3), of the three nearest in place.
+    """Return distances (M, 3) below ``most`` metres and indices (M, 3) of three neighbours.
 
-    Nearest first; infinite, and -1, where there are no more.
+    They are in ascending order, without colour; missing ones are infinite with index -1.
     """
     distance, index = np.full((len(xyz), 3), np.inf), np.full((len(xyz), 3), -1)
     order, room = grid.order, spans(grid)
@@ -281,7 +281,7 @@ def nearest_three(grid: Columns, xyz: F64, most: float) -> tuple[F64, I64]:
 def _three(
     grid: Columns, point: Triple, most: float, room: I64
 ) -> tuple[Triple, tuple[int, int, int]]:
-    """Squares of the distances to the three nearest, and where they are sorted; -1 for none."""
+    """Return squared distances and sorted positions of the three nearest points; -1: none."""
     x, y, z = point
     u, v = point[grid.axes[0]] - grid.low[0], point[grid.axes[1]] - grid.low[1]
     first, second, third = most * most, most * most, most * most
@@ -307,7 +307,7 @@ def _three(
 
 @compiled
 def pairs(xyz: F64, most: float) -> I64:
-    """(P, 2) all pairs of points (N, 3) at most ``most`` metres apart, the lesser number first."""
+    """Return (P, 2) all pairs of points (N, 3) within ``most`` metres, the lesser index first."""
     grid = columns(xyz, np.empty((0, 3), np.float32), 0.0)
     found, count = np.empty((8 * len(xyz) + 8, 2), np.int64), 0
     steps, start = int(most / grid.size) + 1, grid.start
@@ -316,7 +316,7 @@ def pairs(xyz: F64, most: float) -> I64:
             here = row * grid.across + column
             low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
             for one in range(start[here], start[here + 1]):
-                # Each pair is met once: from the point that is sorted first.
+                # Each pair occurs once, at its first point in sorted order.
                 for other_row in range(row, min(row + steps, grid.along - 1) + 1):
                     first = max(start[other_row * grid.across + low], one + 1)
                     end = start[other_row * grid.across + high + 1]
@@ -330,8 +330,10 @@ def pairs(xyz: F64, most: float) -> I64:
 
 @innermost
 def _pairs_of(grid: Columns, one: int, others: tuple[int, int], most: float, free: I64) -> int:
-    """Write to ``free`` (F, 2) the pairs of a point and those of a stretch of sorted ones; how
-    many there are."""
+    """Write the pairs of a point with a range of sorted points to ``free`` (F, 2).
+
+    Returns their number.
+    """
     count = 0
     x, y, z = grid.xyz[one, 0], grid.xyz[one, 1], grid.xyz[one, 2]
     for other in range(*others):

@@ -1,4 +1,4 @@
-"""People and other objects that bend: a graph of nodes that move together but not alike."""
+"""Deformation graph of people and other bending objects: nodes with smooth motions."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from pointbrush.tracking.options.steps import DeformationOptions
 
 
 def nodes_of(xyz: F64, apart: float) -> F64:
-    """(K, 3) means of the points (M, 3) of each cell of ``apart`` metres."""
+    """Return (K, 3) the mean of the points (M, 3) of each cell of ``apart`` metres."""
     return means_of(xyz, cells_of(xyz, apart))
 
 
 class DeformationGraph(NamedTuple):
     """Nodes (K,) that carry the points (M,) around them (Sumner, Schmid and Pauly 2007).
 
-    ``link`` (M, LINKS) the numbers of the nodes that move each point, and ``share`` (M, LINKS) how
-    much each does, 1 in all; ``around`` (K, AROUND) the nodes that smooth each node's motion.  With
-    fewer nodes than that each has all of them.
+    ``link`` (M, LINKS): nodes that move each point; ``share`` (M, LINKS): their weights, with a sum
+    of 1; ``around`` (K, AROUND): nodes that smooth each node's motion.  With fewer nodes, each has
+    all of them.
     """
 
     link: I64
@@ -60,7 +60,7 @@ def warp(
 
 
 def _graph_of(surface: F64, apart: float, options: DeformationOptions) -> DeformationGraph:
-    """Nodes ``apart`` metres from each other over the points (M, 3)."""
+    """Return a graph with nodes ``apart`` metres from each other over the points (M, 3)."""
     nodes = nodes_of(surface, apart)
     link, square = _nearest_nodes(surface, nodes, min(options.nodes_per_point, len(nodes)))
     share = np.exp(-square / apart**2) + 1e-9
@@ -71,8 +71,10 @@ def _graph_of(surface: F64, apart: float, options: DeformationOptions) -> Deform
 
 @compiled
 def _nearest_nodes(surface: F64, nodes: F64, count: int) -> tuple[I64, F64]:
-    """(M, count) numbers of the nearest nodes of each place (M, 3), nearest first, and squares of
-    their distances: nodes are few, so that all are asked."""
+    """Return (M, count) the nearest nodes of each position (M, 3) and their squared distances.
+
+    They are in ascending order.  All nodes are compared, as they are few.
+    """
     link, square = np.zeros((len(surface), count), np.int64), np.full((len(surface), count), np.inf)
     for i in range(len(surface)):
         for node in range(len(nodes)):
@@ -132,7 +134,7 @@ def _pulled(
 
 @compiled
 def _smoothed(moved: F64, pulls: F64, total: F64, around: I64, smooth_weight: float) -> None:
-    """Move the nodes (K, 3) by their mean ``pulls``, leaning on the nodes ``around`` each."""
+    """Move the nodes (K, 3) by their mean ``pulls``, smoothed over the nodes ``around`` each."""
     for node in range(len(moved)):
         for a in range(3):
             pulls[node, a] /= total[node]

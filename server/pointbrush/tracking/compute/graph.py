@@ -15,8 +15,10 @@ from pointbrush.tracking.options.steps import ComponentOptions
 
 
 class Paths(NamedTuple):
-    """From cell n ways of ``length`` lead to the cells ``end``, each from ``start[n]`` up to the
-    next cell's."""
+    """Directed links of cells in compressed rows.
+
+    Links of cell n lead to ``end`` with ``length``, from ``start[n]`` up to the next cell's.
+    """
 
     start: I64
     end: I64
@@ -25,8 +27,7 @@ class Paths(NamedTuple):
 
 @compiled
 def paths_into(links: I64, length: F64, sought: Mask) -> Paths:
-    """Both ways along ``links`` (P, 2), each ``length`` (P,), into the cells that are ``sought``
-    (N,)."""
+    """Return both directions of ``links`` (P, 2), each of ``length`` (P,), into ``sought`` (N,)."""
     start = np.zeros(len(sought) + 1, np.int64)
     for one, other in links:
         start[one + 1] += sought[other]
@@ -46,8 +47,7 @@ def paths_into(links: I64, length: F64, sought: Mask) -> Paths:
 
 @compiled
 def paths_over(links: I64, length: F64, leads: Mask) -> Paths:
-    """Both ways along ``links`` (P, 2), each ``length`` (P,), out of the cells that ``leads`` (N,)
-    anywhere."""
+    """Return both directions of ``links`` (P, 2), of ``length`` (P,), from cells in ``leads``."""
     start = np.zeros(len(leads) + 1, np.int64)
     for one, other in links:
         start[one + 1] += leads[one]
@@ -90,7 +90,7 @@ def shortest_paths(ways: Paths, source: I64, allowed: Mask) -> tuple[F64, I64]:
 
 
 def pieces(xyz: F64, unit: float, options: ComponentOptions) -> I64:
-    """(N,) number of the piece that each point is of; ``unit`` metres of tolerance."""
+    """Return (N,) the connected component of each point; ``unit``: tolerance (m)."""
     cell = cells_of(xyz, options.cell_units * unit)
     middle = means_of(xyz, cell)
     everywhere = np.ones(len(middle), np.bool_)
@@ -101,9 +101,9 @@ def pieces(xyz: F64, unit: float, options: ComponentOptions) -> I64:
 
 @compiled
 def parts(links: I64, some: Mask) -> I64:
-    """(N,) number of the part that each of ``some`` (N,) is of, from 0; -1 for the others.
+    """Return (N,) the connected component of each cell in ``some`` (N,), from 0; -1: others.
 
-    ``links`` (P, 2) join two of them each.  Source: union-find, Tarjan 1975.
+    ``links`` (P, 2): linked pairs of cells.  Source: union-find, Tarjan 1975.
     """
     root = np.arange(len(some))
     for k in range(len(links)):
@@ -133,10 +133,10 @@ def root_of(root: I64, at: int) -> int:
 
 
 def solid(xyz: F64, unit: float, options: ComponentOptions) -> Mask:
-    """Mark the points (N, 3) of a label in connected pieces of some size; all where hardly any are.
+    """Mark the points (N, 3) of a label in large connected components; all if these have too few.
 
-    A person who paints an object paints the flying pixels of its outline too, which lie anywhere
-    between it and the wall, and would make a pin as large as the way there.
+    Painted objects include flying pixels at their outline, anywhere between the object and the
+    wall, which would extend a pin up to the wall.
     """
     if not len(xyz):
         return np.ones(0, np.bool_)
@@ -155,9 +155,9 @@ def agreed(
     neighbour_weight: float,
     full_neighbours: float,
 ) -> F64:
-    """(N, K) probability that a cell is of each of the K, which ``cost`` it (N, K).
+    """Return (N, K) the probability of each cell to belong to each owner, by ``cost`` (N, K).
 
-    ``links`` lead from each cell to its neighbours; their length is how much a neighbour counts.
+    ``links``: from each cell to its neighbours; their length is the weight of the neighbour.
     """
     count, many = cost.shape
     share, now = np.empty((count, many)), np.empty(many)
@@ -192,7 +192,7 @@ def agreed(
 
 @compiled
 def _newest(links: Paths, cell: int, moved: I64) -> int:
-    """Latest turn in which a neighbour of a cell ``moved`` (N,)."""
+    """Return the last turn in which a neighbour of a cell ``moved`` (N,)."""
     newest = 0
     for n in range(links.start[cell], links.start[cell + 1]):
         newest = max(newest, moved[links.end[n]])
@@ -201,7 +201,10 @@ def _newest(links: Paths, cell: int, moved: I64) -> int:
 
 @compiled
 def _sum_neighbours(links: Paths, cell: int, share: F64, out: F64) -> float:
-    """Weighted sum ``out`` (K,) of the shares (N, K) of a cell's neighbours; their total weight."""
+    """Write the weighted sum of shares (N, K) of a cell's neighbours to ``out`` (K,).
+
+    Returns their total weight.
+    """
     out[:] = 0.0
     total = 0.0
     for n in range(links.start[cell], links.start[cell + 1]):
@@ -213,7 +216,7 @@ def _sum_neighbours(links: Paths, cell: int, share: F64, out: F64) -> float:
 
 @compiled
 def _normalised(odds: F64, out: F64) -> None:
-    """Probabilities (K,) of logarithmic ``odds`` (K,)."""
+    """Write the probabilities of log ``odds`` (K,) to ``out`` (K,)."""
     most, total = odds.max(), 0.0
     for k in range(len(odds)):
         out[k] = np.exp(odds[k] - most)

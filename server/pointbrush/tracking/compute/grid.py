@@ -1,4 +1,4 @@
-"""Cells of points: numbered, averaged, searched through, and windows of images."""
+"""Cells of points: numbering, means and search, and windows of images."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from pointbrush.tracking.compute.columns import NONE, any_near_each, columns
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 
 MOST_ACROSS = 2**20
-"""Cells along an axis; what lies beyond shares the last."""
+"""Maximum number of cells along an axis; points beyond are in the last cell."""
 SPARE = 0.8
-"""Share of those cells that the rest of a cloud is spread over where a point flew far off."""
+"""Share of these cells for the rest of a cloud with a far outlier."""
 MOST_NEAR = 200_000
-"""Cells, about, of the grid in which points near some others are looked for."""
+"""Approximate maximum number of cells of the grid for the search of near points."""
 
 
 def cells_of(xyz: F64, size: float) -> I64:
-    """(N,) number of each point's cell, ``size`` metres wide; occupied cells count from 0."""
+    """Return (N,) the number of each point's cell, ``size`` metres wide; occupied ones from 0."""
     lo, hi = bounds(xyz)
     if float((hi - lo).max()) > MOST_ACROSS * size:
-        # A point that flew off must not make the numbers of cells overflow.
+        # An outlier must not make the numbers of cells overflow.
         middle, half = np.median(xyz, axis=0), SPARE / 2 * MOST_ACROSS * size
         xyz = np.clip(xyz, middle - half, middle + half)
         lo, hi = bounds(xyz)
@@ -32,7 +32,7 @@ def cells_of(xyz: F64, size: float) -> I64:
 
 @compiled
 def _keys(xyz: F64, low: F64, extent: I64, size: float) -> I64:
-    """Number of the cell of each point (N, 3), of all in a box of ``extent`` (3,) cells."""
+    """Return the cell number of each point (N, 3) in a box of ``extent`` (3,) cells."""
     key = np.empty(len(xyz), np.int64)
     for i in range(len(xyz)):
         x = int((xyz[i, 0] - low[0]) / size)
@@ -43,7 +43,7 @@ def _keys(xyz: F64, low: F64, extent: I64, size: float) -> I64:
 
 @compiled
 def numbered(key: I64) -> I64:
-    """(N,) rank of each of the keys among those that occur, from 0."""
+    """Return (N,) the rank of each key among the distinct keys, from 0."""
     size = 16  # of the hash table: a power of two, at most half full
     while size < 2 * len(key):
         size *= 2
@@ -68,7 +68,7 @@ def numbered(key: I64) -> I64:
 
 @compiled
 def means_of(values: NDArray[np.floating], cell: I64) -> F64:
-    """(K, D) means of the values (N, D) of each cell, numbered (N,) as by ``cells_of``."""
+    """Return (K, D) the mean of the values (N, D) of each cell; ``cell`` (N,): see ``cells_of``."""
     count = cell.max() + 1 if len(cell) else 0
     means, points = np.zeros((count, values.shape[1])), np.zeros(count)
     for i in range(len(cell)):
@@ -81,18 +81,17 @@ def means_of(values: NDArray[np.floating], cell: I64) -> F64:
 
 
 def perhaps_near(xyz: F32, some: F32, reach: float) -> Mask:
-    """Mark the points (N, 3) that may lie within ``reach`` metres of ``some`` (M, 3); all that do
-    are marked."""
+    """Mark all points (N, 3) within ``reach`` metres of ``some`` (M, 3), and possibly others."""
     lo, hi = bounds(some)
-    # Coarse enough for a grid that is kept whole; single precision must not decide at the border.
+    # Coarse enough for a dense grid, with a margin for single precision.
     size = max(1.001 * reach + 1e-6, float(np.cbrt(np.prod(hi - lo + 2 * reach) / MOST_NEAR)))
-    # Two cells more on every side: rounding must not mark what lies outside.
+    # Two cells more on every side: rounding must not mark points outside.
     return _in_marked(xyz, some, size, lo - 2 * size, ((hi - lo) / size).astype(np.int64) + 5)
 
 
 @compiled
 def _in_marked(xyz: F32, some: F32, size: float, low: F64, extent: I64) -> Mask:
-    """Mark the points (N, 3) in a cell of ``size`` metres beside one that holds some (M, 3)."""
+    """Mark the points (N, 3) in cells of ``size`` metres at or beside cells with some (M, 3)."""
     marked = np.zeros((extent[0], extent[1], extent[2]), np.bool_)
     for i in range(len(some)):
         x = int((some[i, 0] - low[0]) / size)
@@ -110,12 +109,12 @@ def _in_marked(xyz: F32, some: F32, size: float, low: F64, extent: I64) -> Mask:
 
 
 RUN = 64
-"""Points of a run: as many as lie near each other in the order in which they were measured."""
+"""Number of points of a run: consecutively measured points are close to each other."""
 
 
 @compiled
 def bounds(xyz: NDArray[np.number]) -> tuple[F64, F64]:
-    """The least and the greatest corner (3,) of a box around points (N, 3); see ``within``."""
+    """Return the minimum and maximum corner (3,) of a box around points (N, 3)."""
     lo, hi = np.full(3, np.inf), np.full(3, -np.inf)
     for i in range(len(xyz)):
         for a in range(3):
@@ -124,15 +123,17 @@ def bounds(xyz: NDArray[np.number]) -> tuple[F64, F64]:
 
 
 def middle(points: NDArray[np.floating]) -> F64:
-    """(D,) mean of points (N, D): NumPy's own is slow over short rows, a product not the same with
-    any number of BLAS's threads."""
+    """Return the mean (D,) of points (N, D).
+
+    NumPy's mean is slow over short rows, and a product depends on the number of BLAS threads.
+    """
     return np.asarray(np.einsum("ij->j", points, dtype=np.float64) / len(points))
 
 
 def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: float) -> Mask:
-    """Mark the points ``wanted`` (M, 3) less than ``most`` metres from one of ``points`` (N, 3).
+    """Mark the points ``wanted`` (M, 3) closer than ``most`` metres to one of ``points`` (N, 3).
 
-    Or (M, 6) and (N, 6), with weighted colours.
+    Arrays (M, 6) and (N, 6) have weighted colours.
     """
     if not len(points) or not len(wanted):
         return np.zeros(len(wanted), np.bool_)
@@ -142,7 +143,7 @@ def close_to(wanted: NDArray[np.floating], points: NDArray[np.floating], most: f
 
 @compiled
 def _near(xyz: F64, tint: F32, weight: float, wanted: F64, colour: F32, most: float) -> Mask:
-    """See ``any_near_each``, of points (N, 3) that are sorted for this."""
+    """See ``any_near_each``, for unsorted points (N, 3)."""
     return any_near_each(columns(xyz, tint, weight), wanted, colour, most)
 
 
@@ -166,9 +167,9 @@ def within(xyz: NDArray[np.floating], lo: F64, hi: F64) -> Mask:
 
 
 class Runs(NamedTuple):
-    """Points (N, 3) of a frame as they were stored, and the boxes of every ``RUN`` of them.
+    """Points (N, 3) of a frame in stored order, and the bounding boxes of runs of ``RUN`` points.
 
-    What was measured one after the other lies together, so that few runs meet a small box.
+    Consecutively measured points are close to each other, so that few runs intersect a small box.
     """
 
     xyz: F32
@@ -178,7 +179,7 @@ class Runs(NamedTuple):
 
 @compiled
 def runs_of(xyz: F32) -> Runs:
-    """The points (N, 3) with the boxes of their runs."""
+    """Return the points (N, 3) with the boxes of their runs."""
     count = (len(xyz) + RUN - 1) // RUN
     low = np.full((count, 3), np.inf, np.float32)
     high = np.full((count, 3), -np.inf, np.float32)
@@ -191,7 +192,7 @@ def runs_of(xyz: F32) -> Runs:
 
 @compiled
 def in_box(runs: Runs, lo: F64, hi: F64) -> I64:
-    """Sorted indices of the points that lie in a box."""
+    """Return sorted indices of the points in a box."""
     meeting, meetings = np.empty(len(runs.low), np.int64), 0
     for run in range(len(runs.low)):
         meets = True
@@ -199,7 +200,7 @@ def in_box(runs: Runs, lo: F64, hi: F64) -> I64:
             meets &= (runs.low[run, a] <= hi[a]) & (runs.high[run, a] >= lo[a])
         meeting[meetings] = run
         meetings += meets
-    # No longer than needed: most boxes are small, and a frame is long.
+    # Only as long as needed: most boxes are small, and frames are large.
     found, count = np.empty(meetings * RUN, np.int64), 0
     for run in meeting[:meetings]:
         for i in range(run * RUN, min(run * RUN + RUN, len(runs.xyz))):
@@ -215,7 +216,7 @@ A = TypeVar("A", bound=NDArray[np.generic])
 
 
 def least_around(image: A) -> A:
-    """(H, W) the least of each pixel and its eight neighbours."""
+    """Return (H, W) the minimum of each pixel and its eight neighbours."""
     result = image.copy()
     for axis in (0, 1):
         of, to = result.swapaxes(0, axis).copy(), result.swapaxes(0, axis)
@@ -225,7 +226,7 @@ def least_around(image: A) -> A:
 
 
 def widened(image: Mask, steps: int) -> Mask:
-    """(H, W) the pixels that are ``steps`` or fewer from a set one, up, down and sideways."""
+    """Return a mask (H, W) dilated by ``steps`` pixels with four neighbours."""
     result = image.copy()
     for _ in range(steps):
         before = result.copy()
@@ -237,7 +238,7 @@ def widened(image: Mask, steps: int) -> Mask:
 
 
 def blocks(image: F32, shape: tuple[int, int], size: int) -> F32:
-    """(B, size ** 2) values of the blocks of an image (H * W,), row by row, NaN beyond it."""
+    """Return (B, size ** 2) the values of blocks of an image (H * W,), NaN beyond its border."""
     height, width = shape
     rows, columns = -(-height // size), -(-width // size)
     padded = np.full((rows * size, columns * size), np.nan, np.float32)

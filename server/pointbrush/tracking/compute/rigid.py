@@ -1,4 +1,4 @@
-"""Rigid registration: the best motion between paired points, and the ICP loop around it."""
+"""Rigid registration: least-squares motion between pairs of points, and ICP."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options.steps import RegistrationOptions
 
 Pair = Callable[[F64], tuple[F64, I64]]
-"""Moved source points (M, 3) → (M,) distances in metres and (M,) indices of their targets."""
+"""Function of moved source points (M, 3): distances (M,) in metres and target indices (M,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IcpResult:
-    """A rigid motion and how good it is.
+    """A rigid motion and its quality.
 
-    ``T_target_source`` (4, 4); ``rmse`` metres; ``iterations``; ``converged`` False where the
-    limit of iterations ended the loop.
+    ``T_target_source`` (4, 4); ``rmse`` metres; ``iterations``; ``converged``: False if the limit
+    of iterations ended the loop.
     """
 
     T_target_source: F64
@@ -50,7 +50,7 @@ def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
 
 
 def inverse(T: F64) -> F64:
-    """The rigid motion (4, 4) back."""
+    """Return the inverse of a rigid motion (4, 4)."""
     back = np.eye(4)
     back[:3, :3] = T[:3, :3].T
     back[:3, 3] = -(T[:3, 3] @ T[:3, :3])
@@ -58,14 +58,14 @@ def inverse(T: F64) -> F64:
 
 
 def transform_each(T: F64, xyz: F64) -> F64:
-    """(K, N, 3): the points (N, 3) moved by each of K motions (K, 4, 4)."""
+    """Return (K, N, 3) the points (N, 3) moved by each of K motions (K, 4, 4)."""
     return np.asarray(xyz @ T[:, :3, :3].transpose(0, 2, 1) + T[:, None, :3, 3])
 
 
 def best_rigid_motion(source: F64, target: F64) -> F64:
-    """The (4, 4) motion that brings ``source`` (M, 3) nearest to ``target`` in least squares.
+    """Return the motion (4, 4) from ``source`` (M, 3) to ``target`` by least squares.
 
-    A mere shift where there are fewer than three pairs, identity where there is none.
+    It is a translation for fewer than three pairs, and the identity without pairs.
     Source: Arun, Huang and Blostein 1987, with Umeyama's guard against reflections.
     """
     return _motion(source, target, np.ones(len(source)), 3)
@@ -73,8 +73,11 @@ def best_rigid_motion(source: F64, target: F64) -> F64:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IcpStep:
-    """An iteration of ICP: ``moved`` (M, 3) source points as it began, ``matched`` (M, 3) their
-    partners in the target, ``distance`` (M,) metres between them."""
+    """An iteration of ICP.
+
+    ``moved`` (M, 3): source points at its start; ``matched`` (M, 3): paired target points;
+    ``distance`` (M,): metres between them.
+    """
 
     iteration: int
     moved: F64
@@ -83,7 +86,7 @@ class IcpStep:
 
     @property
     def rmse(self) -> float:
-        """Root of the mean square distance, metres."""
+        """Return the root mean square distance in metres."""
         return float(np.sqrt(np.mean(self.distance**2)))
 
 
@@ -96,11 +99,11 @@ def icp(
     tolerance: float = 1e-6,
     watch: Callable[[IcpStep], None] | None = None,
 ) -> IcpResult:
-    """Besl and McKay 1992: repeat {pair each point, best motion} until the error stands still.
+    """Return the motion of ``source`` (M, 3) to ``target`` (N, 3) by ICP (Besl and McKay 1992).
 
-    ``source`` (M, 3) and ``target`` (N, 3) metres, neither empty; ``tolerance`` is the change of
-    the mean square error, in square metres, under which the loop has converged; ``watch`` gets
-    each iteration.
+    Both are in metres and not empty.  Each iteration pairs the points and computes the best motion.
+    ``tolerance``: change of the mean square error, in square metres, below which the loop has
+    converged; ``watch`` gets each iteration.
     """
     T = np.eye(4)
     before = np.inf
@@ -123,7 +126,7 @@ def icp(
 
 @dataclass(eq=False)
 class Target:
-    """A few points to register to, in place and, where it counts, weighted colour.
+    """Target points of a registration, by position and optionally weighted colour.
 
     ``xyz`` (N, 3) metres; ``colour`` (N, 3) any unit; ``weight`` metres per unit of colour.
     """
@@ -134,11 +137,11 @@ class Target:
 
     @cached_property
     def columns(self) -> Columns:
-        """The points, sorted for searching."""
+        """The points, sorted for the search."""
         return columns(self.xyz, self.colour, self.weight)
 
     def nearest(self, xyz: F64, colour: F32, most: float) -> tuple[F64, I64]:
-        """Distances (M,), at most ``most``, and indices; -1 where nothing is nearer."""
+        """Return distances (M,), at most ``most``, and indices; -1: no nearer point."""
         return nearest(self.columns, xyz, colour, most)
 
 
@@ -151,8 +154,10 @@ class Source(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fits:
-    """Robust registrations: motions ``T`` (K, 4, 4); ``cost`` (K,) 0..1, the mean of each point's
-    squared distance, capped."""
+    """Robust registrations.
+
+    ``T`` (K, 4, 4): motions; ``cost`` (K,): mean of capped squared distances, 0 to 1.
+    """
 
     T: F64
     cost: F64
@@ -166,11 +171,11 @@ def robust_fits(
     scales: Sequence[float],
     options: RegistrationOptions,
 ) -> Fits:
-    """ICP in place and colour from each of ``T`` (K, 4, 4), an iteration for each of ``scales``.
+    """Return ICP fits by position and colour from each of ``T`` (K, 4, 4).
 
-    Of the M points of the ``source`` those ``seen`` (K, M) from each motion are moved onto the
-    target; ``scales`` in metres.  Each pair weighs less the farther it is apart in units of the
-    scale, which shrinks (Geman and McClure 1985).
+    There is one iteration for each of ``scales``, in metres.  Only points of the ``source`` marked
+    in ``seen`` (K, M) are registered.  The weight of a pair decreases with its distance in units of
+    the scale (Geman and McClure 1985).
     """
     return Fits(
         *_robust_fits(
@@ -187,7 +192,7 @@ def robust_fits(
 
 @innermost
 def carried(T: F64, x: float, y: float, z: float) -> Triple:
-    """The point that a motion (4, 4) takes (x, y, z) to."""
+    """Return the point (x, y, z) moved by a motion (4, 4)."""
     return (
         T[0, 0] * x + T[0, 1] * y + T[0, 2] * z + T[0, 3],
         T[1, 0] * x + T[1, 1] * y + T[1, 2] * z + T[1, 3],
@@ -221,7 +226,7 @@ def _robust_fits(
                 point = carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2])
                 moved[pairs] = point
                 tint = toned(grid, colour, i)
-                # What was the nearest before is so again, or nearly.
+                # The last nearest point bounds the search.
                 square, at = nearest_one(grid, point, tint, pair_scales * scale, room, last[i])
                 last[i] = at
                 which += 1
@@ -241,9 +246,9 @@ def _robust_fits(
 
 @compiled
 def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
-    """See ``best_rigid_motion``; each pair counts by its ``weight`` (M,).
+    """See ``best_rigid_motion``; pairs have a ``weight`` (M,).
 
-    A mere shift where fewer than ``fewest`` pairs have a weight other than 0.
+    It is a translation if fewer than ``fewest`` pairs have a weight other than 0.
     """
     count = len(source)
     total, used = 0.0, 0
@@ -277,10 +282,10 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
 
 
 def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions) -> F64:
-    """Compute the cost (K,), 0 to ``excess_cost``, of target points just beside the source, which
-    is ``moved`` (K, M, 3).
+    """Return the cost (K,), 0 to ``excess_cost``, of target points beside the ``moved`` source.
 
-    An object placed inside a larger surface fits it well, but the surface goes on around it.
+    An object placed inside a larger surface fits it well, but the surface continues around it.
+    ``moved`` (K, M, 3): moved source points.
     """
     beside = _beside(moved, target.xyz, options.beside_units * unit, options.on_units * unit)
     return np.asarray(options.excess_cost * np.minimum(1.0, beside))
@@ -288,7 +293,10 @@ def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions
 
 @compiled
 def _beside(moved: F64, xyz: F64, near: float, on: float) -> F64:
-    """Points (N, 3) less than ``near`` metres beside each surface (K, M, 3), for each ``on`` it."""
+    """Return the ratio (K,) of points (N, 3) beside each surface (K, M, 3) to points on it.
+
+    Points on it are closer than ``on`` metres, points beside it closer than ``near`` metres.
+    """
     share, none = np.empty(len(moved)), (0.0, 0.0, 0.0)
     for k in range(len(moved)):
         surface, inside, beside = columns(moved[k], NONE, 0.0), 0, 0
