@@ -1,1 +1,1 @@
-"""Steps of the tracker, one after the other in each frame."""
+"""Steps of the tracker in each frame."""

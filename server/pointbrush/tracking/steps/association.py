@@ -1,4 +1,4 @@
-"""Tracks and points of a frame: which points each track claims, and which it gets beside them."""
+"""Association of tracks and points of a frame: claimed points and additional ones."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ class Association:
     registration: Registration
     claim: Claim
     neutral: I64 = field(default_factory=no_points)
-    """Points near the model that nothing unlabelled explains: other movers of nothing."""
+    """Unclaimed points near the model that are not evidence for another moving object."""
     restarts_motion: bool = False
-    """It was found far from where it was predicted: its motion begins here."""
+    """Whether it was found far from its predictions, so that its motion restarts."""
     undisputed: float = 1.0
-    """Share of what it claimed there that no other object has."""
+    """Share of its claimed points that no other object has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Associations:
     """Tracks ``found`` in ``view``, by label.
 
-    ``free`` (N,) points that the run may take, whoever of it has them; ``background`` knows what
-    stands still.
+    ``free`` (N,): mask of points that the run may take, assigned or not; ``background``: model of
+    the static scene.
     """
 
     view: View
@@ -43,50 +43,50 @@ class Associations:
 
     @property
     def registrations(self) -> dict[int, Registration]:
-        """Label → registration."""
+        """Registrations by label."""
         return {label: one.registration for label, one in self.found.items()}
 
     @property
     def claims(self) -> dict[int, Claim]:
-        """Label → claim."""
+        """Claims by label."""
         return {label: one.claim for label, one in self.found.items()}
 
     def put(self, label: int, association: Association) -> Associations:
-        """The same, with a track that was found, or found elsewhere."""
+        """Return a copy with a track's association added or replaced."""
         return replace(self, found={**self.found, label: association})
 
     def unclaimed(self, but: Collection[int] = ()) -> Mask:
-        """(N,) free points that no one claims, ``but`` for some labels."""
+        """Return a mask (N,) of free points without a claim, ignoring claims of labels ``but``."""
         others = (one.claim for label, one in self.found.items() if label not in but)
         return without(self.free, others)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelledPoints:
-    """Points that a track gets in a frame: its ``claim``, and new surface ``grown`` (M,)."""
+    """Points of a track in a frame: its ``claim``, and new surface ``grown`` (M,)."""
 
     claim: Claim
     grown: I64 = field(default_factory=no_points)
     neutral: I64 = field(default_factory=no_points)
-    """See ``Association``; also what may be another's."""
+    """See ``Association``; includes points that may be another object's."""
     isolated: bool = False
-    """The moving points that hang together there are the object and nothing else."""
+    """Whether the connected moving points there are only this object."""
     end_on: bool = False
-    """An end of it was painted, and now all of its length shows."""
+    """Whether it was painted end on, and its whole length is now visible."""
     rim: I64 = field(default_factory=no_points)
-    """Its points in this frame of which it learns nothing."""
+    """Labelled points of this frame that are excluded from learning."""
     beside: I64 | None = None
-    """Points of other moving objects beside a large one; None where that is not known."""
+    """Points of other moving objects beside a large one; None if unknown."""
     owned: I64 = field(default_factory=no_points)
-    """Moving points there that some object has, this or another; of large objects."""
+    """Moving points there of any tracked object, for large objects."""
 
     @staticmethod
     def of(view: View, association: Association) -> LabelledPoints:
-        """The claimed points alone; before a sensor that moves all that is near is beside them."""
+        """Return the claimed points only; for a moving sensor, all near points are ``beside``."""
         beside = association.registration.near if view.roams else None
         return LabelledPoints(association.claim, neutral=association.neutral, beside=beside)
 
     @property
     def points(self) -> I64:
-        """(M,) the claimed ones first."""
+        """(M,) claimed points, followed by new surface."""
         return np.concatenate([self.claim.indices, self.grown])

@@ -17,10 +17,10 @@ from pointbrush.tracking.sensors.view import View
 
 
 class FlyingRule(NamedTuple):
-    """Rule for a flying pixel: it lies ``behind`` metres behind one that it touches.
+    """Rule for a flying pixel: it lies ``behind`` metres behind an adjacent pixel.
 
-    And up to a ``few`` pixels of the object, ``reach`` pixels around, are within ``level`` metres
-    as deep.  None of the ``margin`` rows at the edge of the picture is.
+    At most ``few`` pixels of the object, within ``reach`` pixels, have its depth within ``level``
+    metres.  The ``margin`` rows at the edge of the picture are excluded.
     """
 
     behind: float
@@ -31,10 +31,10 @@ class FlyingRule(NamedTuple):
 
 
 def flying(view: View, points: I64, unit: float) -> Mask:
-    """Mark the ``points`` (M,) of an object behind other points of it, with none as deep beside
-    them.
+    """Mark the flying pixels among the ``points`` (M,) of an object.
 
-    ``unit`` metres of tolerance.  None before a sensor that sees no depth images.
+    They lie behind other points of it, without neighbours at their depth.  ``unit``: tolerance (m).
+    There are none for a sensor without depth images.
     """
     if view.lens is None or not view.lens.lattice or not len(points):
         return np.zeros(len(points), np.bool_)
@@ -42,9 +42,9 @@ def flying(view: View, points: I64, unit: float) -> Mask:
 
 
 def painted_with_flying(view: View, points: I64, unit: float) -> bool:
-    """Whether most of the flying pixels at the outline of painted ``points`` (M,) are painted too.
+    """Return whether most flying pixels at the outline of painted ``points`` (M,) are painted too.
 
-    Who outlines an object in a picture paints those inside the outline as well.
+    Painting by an outline in a picture includes the flying pixels inside it.
     """
     options = view.options.flying
     if view.lens is None or not view.lens.lattice:
@@ -71,9 +71,9 @@ def _loose(view: View, points: I64, own: Mask, unit: float) -> Mask:
 def lies_behind(
     cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule
 ) -> Mask:
-    """Mark the flying pixels (M,): behind a pixel of the object, and as deep as hardly any of it.
+    """Mark the flying pixels (M,): behind a pixel of the object, at a depth with few others of it.
 
-    ``own`` (cells + 1,) the pixels of the object in the depth ``image``, rows of ``width``.
+    ``own`` (cells + 1,): mask of the object's pixels in the depth ``image``, rows of ``width``.
     """
     result = np.zeros(len(cells), np.bool_)
     border = rule.margin * (width + 1)
@@ -84,7 +84,7 @@ def lies_behind(
         for row in range(-rule.reach, rule.reach + 1):
             for column in range(-rule.reach, rule.reach + 1):
                 other = cell + row * width + column
-                # Image borders: the pixel that the row before ends with is far from the object.
+                # Wrapping at image borders is harmless: these pixels are far from the object.
                 if other == cell or other < 0 or other >= len(image) or not own[other]:
                     continue
                 away = depths[i] - image[other]
@@ -95,10 +95,9 @@ def lies_behind(
 
 
 def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
-    """Mark the flying pixels among an object's points ``own`` (M,), and its rim among the ``rest``
-    (N,).
+    """Mark the flying pixels among an object's points ``own`` (M,), and its rim in ``rest`` (N,).
 
-    ``unit`` metres of tolerance; needs a camera.
+    ``unit``: tolerance (m).  It needs a camera.
     """
     options = view.options.flying
     cell, depth = view.cells
@@ -117,7 +116,7 @@ def outline(view: View, own: I64, rest: I64, unit: float) -> tuple[Mask, Mask]:
 
 @compiled
 def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: FlyingRule) -> Mask:
-    """Mark the pixels (M,) touching the object, as deep as it or nearer, and apart from others."""
+    """Mark the pixels (M,) touching the object, at its depth or nearer, and apart from others."""
     result = np.zeros(len(cells), np.bool_)
     border = rule.margin * (width + 1)
     for i in range(len(cells)):
@@ -140,9 +139,9 @@ def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: Flyin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Claim:
-    """Points that an object would have: ``cost`` (M,) metres in place and colour.
+    """Points claimed by an object, with ``cost`` (M,) in metres of position and colour.
 
-    ``gap`` (M,) metres from the model in place alone, ``nearest`` (M,) the model point.
+    ``gap`` (M,): distance from the model by position alone; ``nearest`` (M,): the model point.
     """
 
     indices: I64
@@ -152,28 +151,27 @@ class Claim:
 
     @staticmethod
     def nothing() -> Claim:
-        """A claim on no point."""
+        """Return an empty claim."""
         none = np.empty(0, np.int64)
         return Claim(none, np.empty(0, np.float32), np.empty(0), none)
 
     def pick(self, which: Mask) -> Claim:
-        """The claim on some of the points only."""
+        """Return the claim restricted to some of the points."""
         return Claim(self.indices[which], self.cost[which], self.gap[which], self.nearest[which])
 
 
 def claim(
     view: View, indices: I64, surface: F64, colour: F32, weight: float, reach: float
 ) -> Claim:
-    """Claim those of the points ``indices`` near a model whose ``surface`` (M, 3) is in world
-    coordinates.
+    """Return the claim on the points ``indices`` near a model's ``surface`` (M, 3) in the world.
 
-    A point's cost is the least, over its three nearest model points, of the distance in place and
-    colour; ``reach`` metres away it is claimed no more.
+    The cost of a point is the minimum distance in position and colour over its three nearest model
+    points.  Points at ``reach`` metres or farther are not claimed.
     """
     if len(indices) == 0 or len(surface) == 0:
         return Claim.nothing()
     lo, hi = bounds(surface)
-    far = 1.001 * reach  # single precision must not decide what is at the border
+    far = 1.001 * reach  # a margin for single precision at the border
     xyz = view.xyz.take(indices, axis=0)
     close = np.flatnonzero(within(xyz, lo - far, hi + far))
     gap, near = _nearest(surface, xyz[close].astype(np.float64), reach)
@@ -185,13 +183,13 @@ def claim(
 
 @compiled
 def _nearest(surface: F64, xyz: F64, reach: float) -> tuple[F64, I64]:
-    """See ``nearest_three``, of the ``surface`` (M, 3)."""
+    """See ``nearest_three``, for the ``surface`` (M, 3)."""
     return nearest_three(columns(surface, NONE, 0.0), xyz, reach)
 
 
 @compiled
 def _costs(gap: F64, near: I64, tint: F32, colour: F32, weight: float) -> F32:
-    """The least of each point's distances (M,) in place and colour."""
+    """Return (M,) the minimum distance of each point in position and colour."""
     cost = np.empty(len(gap), np.float32)
     for i in range(len(gap)):
         least = np.inf
@@ -207,7 +205,7 @@ def _costs(gap: F64, near: I64, tint: F32, colour: F32, weight: float) -> F32:
 
 
 def together(one: I64, other: I64) -> I64:
-    """The points of both, sorted, each once; each is sorted already."""
+    """Return the sorted union of two sorted arrays of points."""
     if not len(other):
         return one
     both = np.sort(np.concatenate([one, other]))
@@ -215,7 +213,7 @@ def together(one: I64, other: I64) -> I64:
 
 
 def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
-    """Each point to the label that claims it at the least cost; ties to the first label."""
+    """Assign each point to the claim with the minimum cost; ties go to the first label."""
     best = np.full(count, np.inf, np.float32)
     for found in claims.values():
         best[found.indices] = np.minimum(best[found.indices], found.cost)
@@ -229,7 +227,7 @@ def decide(count: int, claims: dict[int, Claim]) -> dict[int, Claim]:
 
 
 def without(free: Mask, claims: Iterable[Claim]) -> Mask:
-    """Mark the ``free`` points (N,) in no claim."""
+    """Return a mask of the ``free`` points (N,) outside all claims."""
     left = free.copy()
     for claimed in claims:
         left[claimed.indices] = False
@@ -237,10 +235,10 @@ def without(free: Mask, claims: Iterable[Claim]) -> Mask:
 
 
 def cut_off(view: View, rest: I64, unit: float, by: Mask | None = None) -> bool:
-    """Whether something nearer to the sensor hides how the points ``rest`` go on.
+    """Return whether a nearer surface may hide a continuation of the points ``rest``.
 
-    What ends where the outline of something before it begins may go on behind that.  ``unit``
-    metres of tolerance; ``by`` (cells + 1,) pixels that may hide them, by default all.
+    A surface that ends at the outline of a nearer one may continue behind it.  ``unit``: tolerance
+    (m); ``by`` (cells + 1,): pixels that may occlude it, by default all.
     """
     options = view.options.claim
     if view.lens is None or not len(rest):

@@ -1,4 +1,4 @@
-"""Connectivity of points: those that steps of some length lead to from an object."""
+"""Connectivity of points by steps of a maximum length from an object."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from pointbrush.tracking.sensors.view import View
 
 
 class Limits(NamedTuple):
-    """Limits within which connected surface has to end, to be all of an object.
+    """Limits for connected surface to be a whole object.
 
-    After ``steps`` of ``reach`` metres and with ``most`` points at most, all of them from ``low``
-    (3,) to ``high`` (3,).
+    It has to end within ``steps`` of ``reach`` metres, with at most ``most`` points, all in the box
+    from ``low`` (3,) to ``high`` (3,).
     """
 
     reach: float
@@ -42,11 +42,10 @@ def connected(core: F64, rest: F64, reach: float, rounds: int) -> Mask:
 
 
 def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
-    """All of ``rest`` that hangs together with ``core``; None where that does not end within the
-    ``limits``.
+    """Return all of ``rest`` connected to ``core``; None: it does not end within the ``limits``.
 
-    What moves alone in the air is the object, new surface and all; what does not end within a
-    few steps hangs together with something larger (a hand, a body).
+    A component that moves alone in the air is the object, including new surface.  A component that
+    does not end within a few steps is connected to a larger object, such as a hand or a body.
     """
     front = view.xyz[core].astype(np.float64)
     lo, hi = bounds(front)
@@ -60,7 +59,7 @@ def blob(view: View, core: I64, rest: I64, limits: Limits) -> I64 | None:
 def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
     """Mark the points of ``rest`` (N, 3) connected with ``core`` (M, 3).
 
-    And whether they end within the ``limits``; else they are not all.
+    The second result is whether they end within the ``limits``; otherwise they are incomplete.
     """
     reach = limits.reach
     joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
@@ -68,7 +67,7 @@ def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
     if count == 0:
         return joined, True
     first, grid = 0, columns(rest, NONE, 0.0)
-    # Of each column those that have not joined, so that none is asked again.
+    # Points of each column that have not joined, so that each is tested until it joins.
     left, ends = np.arange(len(rest)), grid.start[1:].copy()
     for _ in range(limits.steps):
         last = count
@@ -84,7 +83,7 @@ def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
 
 @compiled
 def _all_inside(rest: F64, some: I64, limits: Limits) -> bool:
-    """Test whether all of ``some`` (M,) of the points (N, 3) lie in the box of the ``limits``."""
+    """Return whether the points ``some`` (M,) of (N, 3) lie in the box of the ``limits``."""
     for i in some:
         for a in range(3):
             if not limits.low[a] <= rest[i, a] <= limits.high[a]:
@@ -103,9 +102,9 @@ def _join_around(
     order: I64,
     count: int,
 ) -> int:
-    """Join the points of ``rest`` (N, 3) less than ``reach`` metres from one; the new ``count``.
+    """Join the points of ``rest`` (N, 3) closer than ``reach`` to one; return the new ``count``.
 
-    ``unasked``: numbers of each column's points, and the end of those that have not joined.
+    ``unasked``: indices of each column's points, and the end of the points not joined yet.
     """
     left, ends = unasked
     at, steps = rest[middle], int(reach / grid.size) + 1
@@ -133,7 +132,7 @@ def _join_around(
 
 @compiled
 def _beside(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int:
-    """Mark which of ``rest`` are near the core; how many, whose numbers now begin ``order``."""
+    """Mark the points of ``rest`` near the core and write them to ``order``; return the number."""
     lo, hi = bounds(core)
     grid, count = columns(core, NONE, 0.0), 0
     for i in range(len(rest)):

@@ -1,5 +1,6 @@
-"""Unlabelled surface beside a track, which contests its points, and people beside it: they are
-followed together in what it leaves, and would lose to it what they hold it with.
+"""Unlabelled surface and people beside a track, which contest its points.
+
+People are tracked jointly in the remaining points, and could lose the hand that holds an object.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from pointbrush.tracking.steps.claim import Claim
 
 
 def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask:
-    """Mark the claimed points more like a known unlabelled mover than like the model."""
+    """Mark the claimed points that a known unlabelled mover explains better than the model."""
     return _explained(
         track,
         view,
@@ -31,8 +32,7 @@ def contested(view: View, found: Claim, track: Track, fit: Registration) -> Mask
 
 
 def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Mark the points that no unlabelled mover explains, where it was or gone along with the
-    object."""
+    """Mark the points not explained by unlabelled movers, at rest or moved with the object."""
     return ~_explained(
         track,
         view,
@@ -43,21 +43,21 @@ def unexplained(track: Track, view: View, fit: Registration, points: I64) -> Mas
 
 
 def _explained(track: Track, view: View, fit: Registration, points: I64, reach: F64) -> Mask:
-    if view.roams:  # What stands still is known, and no one holds what is seen from the road.
+    if view.roams:  # Static surface is known, and objects in traffic are not held.
         return np.zeros(len(points), np.bool_)
     xyz, colour = view.xyz[points].astype(np.float64), view.colour(points)
     return track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
 
 
 def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
-    """Mark the points where an unlabelled mover was in the last frame, or would be by ``step``."""
+    """Mark the points at an unlabelled mover's last position, or at this moved by ``step``."""
     reach = np.full(len(points), track.options.context.stayed_units * track.unit)
     xyz = view.xyz[points].astype(np.float64)
     return track.other_movers.explain(xyz, view.colour(points), reach, step)
 
 
 def step_of(track: Track, fit: Registration) -> F64 | None:
-    """Motion (4, 4) of an object since it was last seen; None where that is next to nothing."""
+    """Return the motion (4, 4) of an object since it was last seen; None: it is at rest."""
     last = track.motion.poses[-1]
     ends = track.ends
     if (
@@ -69,7 +69,7 @@ def step_of(track: Track, fit: Registration) -> F64 | None:
 
 
 def set_other_movers_around(track: Track, view: View, world: F64) -> None:
-    """Let what is unlabelled beside an object, whose surface is at ``world`` (M, 3), be known."""
+    """Store the unlabelled points beside an object with its surface at ``world`` (M, 3)."""
     box = _beside(track, world)
     set_other_movers(track, view, _unlabelled(view, box), box)
 
@@ -92,10 +92,10 @@ def _unlabelled(view: View, box: tuple[F64, F64]) -> I64:
 
 
 def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64]) -> None:
-    """Let the points (M,) be known as all that is unlabelled in a ``box`` about an object; what it
-    missed of itself is not.
+    """Store the points (M,) as the unlabelled ones in a ``box`` around an object.
 
-    What has colours that it alone has, or that are far commoner in it than among them, is that.
+    Missed points of the object itself are excluded: points with colours that only it has, or that
+    are far more common in it.
     """
     some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
     colour = view.colour(some)
@@ -111,7 +111,7 @@ def note_beside(
     associations: Associations,
     labelled: Mapping[int, LabelledPoints],
 ) -> None:
-    """Let what moves beside each object that was found, and is nothing's, be its other movers."""
+    """Store the unassigned moving points beside each found object as its other movers."""
     taken = view.labelled(but=view.people)
     for label, found in labelled.items():
         fit = associations.found[label].registration
@@ -123,10 +123,9 @@ def note_beside(
 
 
 def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:
-    """Find the colours that some objects alone have, of all ``tracks`` and what is about them.
+    """Update the distinctive colours of ``labels`` against all ``tracks`` and their surroundings.
 
-    Hands that may hold an object later are within their reach of it, and are few of the points
-    there.
+    The surroundings include hands within reach, which may hold an object later and have few points.
     """
     for label in labels:
         track = tracks[label]

@@ -1,4 +1,4 @@
-"""Ground that was painted with a track, and its tyres and feet on the ground."""
+"""Ground painted with a track, and its tyres and feet on the ground."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NONE: I64 = np.empty(0, np.int64)
 
 
 def painted_with_ground(view: View, indices: I64) -> bool:
-    """Whether most of the ground within the outline of painted points (M,) is painted too."""
+    """Return whether most of the ground within the outline of painted points (M,) is painted."""
     options = view.options.ground_contact
     xyz = view.xyz[indices].astype(np.float64)
     inside = _within(view, _ground_about(view, xyz, 0.0), xyz)
@@ -32,10 +32,9 @@ def painted_with_ground(view: View, indices: I64) -> bool:
 def with_ground(
     view: View, tracks: Mapping[int, Track], fits: Mapping[int, Registration], free: Mask
 ) -> dict[int, I64]:
-    """The labels of a frame, with tyres and feet, and the ground under what was painted so: label
-    → points (M,).
+    """Return the points (M,) by label with tyres and feet, and with ground if painted with it.
 
-    ``free`` (N,) are those that a run may take.
+    ``free`` (N,): mask of points that a run may take.
     """
     found = dict(view.labels)
     have = [n for n in found if n in fits and view.scans and not tracks[n].painted.flat]
@@ -53,8 +52,10 @@ def with_ground(
 
 
 def _ground_about(view: View, world: F64, beside: float) -> I64:
-    """Sorted indices of the ground about ``world`` (M, 3), also well below it, whichever way that
-    is, and ``beside`` metres to its sides."""
+    """Return sorted indices of the ground around ``world`` (M, 3), ``beside`` metres to its sides.
+
+    It includes ground far below, in either direction of the vertical axis.
+    """
     margin = np.full(3, beside)
     margin[view.up] = view.options.ground_contact.below_m
     lo, hi = bounds(world)
@@ -63,8 +64,10 @@ def _ground_about(view: View, world: F64, beside: float) -> I64:
 
 
 def _feet(view: View, world: F64) -> I64:
-    """Sorted indices of what stands out of the ground within the outline of the lowest part of
-    ``world`` (M, 3): tyres touch the ground, and where that was is background."""
+    """Return sorted indices of points above the ground below the lowest part of ``world`` (M, 3).
+
+    Tyres touch the ground and are taken for it; their former places are background.
+    """
     options = view.options.ground_contact
     ground = _ground_about(view, world, options.beside_m)
     if len(ground) < options.min_points:
@@ -76,7 +79,7 @@ def _feet(view: View, world: F64) -> I64:
 
     off: F64 = np.zeros(len(ground))
     plane: F64 = np.zeros(3)
-    for _ in range(2):  # Tyres are among what is taken for the ground.
+    for _ in range(2):  # The second fit excludes tyres, which are outliers of the ground.
         level_ones = ground[off <= np.median(off)]
         xyz = view.xyz[level_ones].astype(np.float64)
         plane = np.asarray(np.linalg.lstsq(level(xyz), xyz[:, up], rcond=None)[0], np.float64)
@@ -93,8 +96,7 @@ def _feet(view: View, world: F64) -> I64:
 
 
 def _within(view: View, points: I64, world: F64) -> I64:
-    """Keep the ``points`` (N,) that lie within the outline of ``world`` (M, 3), seen from
-    above."""
+    """Return the ``points`` (N,) within the outline of ``world`` (M, 3) from above."""
     if not view.scans or len(world) < view.options.ground_contact.min_corners:
         return _NONE
     flat = np.delete(np.arange(3), view.up)

@@ -1,4 +1,4 @@
-"""New surface beside claimed points, and the whole of an object alone in the air."""
+"""New surface beside claimed points, and whole objects alone in the air."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from pointbrush.tracking.steps.context import contested, step_of, unexplained, w
 
 
 def own_points(track: Track, view: View, fit: Registration) -> Association:
-    """Claim points like the model at its place, and not more like something unlabelled."""
-    # What is beside a large object is told by what hangs together.
+    """Return the claim on points near the model that no unlabelled object explains better."""
+    # Points beside a large object are decided by connectivity.
     options = track.options
     wide = (options.claim.reaches if track.large else options.claim.new_reaches) * track.reach
     near = claim(view, fit.near, fit.world, track.model.colour, track.weight, wide)
@@ -41,12 +41,12 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
     beyond = track.reach if track.large else track.unit
     unlike = near.cost > track.reach + (options.claim.reaches_coloured - 1) * beyond
     unlike &= near.gap > options.claim.shaded_reaches * track.reach
-    if not track.painted.flat:  # The ground touches what stands on it, and goes on.
+    if not track.painted.flat:  # The ground touches objects on it, and continues.
         not_its |= view.low[near.indices] & (near.gap > options.claim.foot_reaches * track.reach)
     found = near.pick(
         ~not_its & ~unlike & (near.gap < track.reach + (options.claim.reaches - 1) * beyond)
     )
-    # A pose is never exact: what lies on well confirmed surface is not asked.
+    # Poses are inexact: points on well confirmed surface are claimed in any case.
     firm = (track.model.hits[found.nearest] >= options.surface.sure_hits) & (
         found.gap < options.claim.firm_reaches * track.reach
     )
@@ -55,14 +55,14 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
 
 
 def _hardly(view: View, fit: Registration) -> Mask:
-    """(N,) points that hardly stand out against the background."""
+    """Return a mask (N,) of points barely in front of the background."""
     hardly = np.zeros(len(view.xyz), np.bool_)
     hardly[fit.faint] = True
     return hardly
 
 
 def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Mark the points (M,) where earlier views looked through; none where the pose is not sure."""
+    """Mark the points (M,) where earlier views saw through; none if the pose is uncertain."""
     if not track.stiff or fit.cost > track.options.claim.sharp_cost:
         return np.zeros(len(points), np.bool_)
     return carved(track.carving_views, view, fit.pose, points, track.unit)
@@ -70,16 +70,16 @@ def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Grown:
-    """Label → points of each track; ``taken`` (N,) those that some track has."""
+    """Points of each track by label; ``taken`` (N,): mask of points of any track."""
 
     labelled: dict[int, LabelledPoints]
     taken: Mask
 
 
 def grow(tracks: Mapping[int, Track], associations: Associations) -> Grown:
-    """Add moving points that hang together with an object, free and no track's, to its claim.
+    """Add free moving points connected to an object to its claim, except for large objects.
 
-    Of all but large objects.  Claims lose their flying pixels, which are other movers of nothing.
+    Claims lose their flying pixels, which are no evidence of another moving object.
     """
     view = associations.view
     taken = ~associations.unclaimed()
@@ -191,9 +191,9 @@ def _kept(found: LabelledPoints, kept: Mask, neutral: I64) -> LabelledPoints:
 def _outlined(
     track: Track, associations: Associations, found: LabelledPoints, taken: Mask
 ) -> LabelledPoints:
-    """The points of what is slow without flying pixels.
+    """Return a slow object's points without flying pixels.
 
-    Its rim takes in missed outline, and flying pixels if painted with them.
+    Its rim includes missed pixels of the outline, and flying pixels if painted with them.
     """
     view, background = associations.view, associations.background
     fit = associations.found[track.label].registration
@@ -244,10 +244,10 @@ def _place_and_colour(view: View, indices: I64, weight: float) -> F64:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ClosedComponent:
-    """Connected component of moving points around a claim, if it ends all round.
+    """Connected component of moving points around a claim.
 
-    ``points`` (M,) of it beside the claim, None where it is not one object; the others as of
-    ``LabelledPoints``.
+    ``points`` (M,): its points beside the claim, None if it is not a single isolated object; other
+    fields: see ``LabelledPoints``.
     """
 
     points: I64 | None
@@ -259,9 +259,9 @@ class ClosedComponent:
 def closed_component(
     track: Track, view: View, fit: Registration, core: I64, taken: Mask, free: Mask
 ) -> ClosedComponent:
-    """Find the component of moving points around the claimed ones ``core`` (C,), if it is closed.
+    """Return the component of moving points around the claimed points ``core`` (C,).
 
-    ``taken`` (N,) some track has; ``free`` (N,) the run may take.
+    ``taken`` (N,): mask of points of any track; ``free`` (N,): mask of points the run may take.
     """
     options, other = track.options.growth, free.copy()
     if track.bends:
@@ -278,7 +278,7 @@ def closed_component(
     if new is None or not len(new):
         return ClosedComponent(new, isolated=new is not None)
     before = was_there(track, view, new)
-    # Painted in part, it has many times the points that are known.
+    # An object painted in part has many times the known points.
     along = len(new) <= most or (
         was_there(track, view, new, step_of(track, fit)).mean() >= options.along_share
     )
@@ -293,12 +293,11 @@ def closed_component(
 
 
 def _painted_end_on(track: Track, view: View, core: I64, new: I64, before: Mask) -> bool:
-    """Test whether ``new`` surface (M,) is the length of an object of which an end was painted.
+    """Return whether ``new`` surface (M,) is the length of an object that was painted end on.
 
-    It makes a moving object, not yet seen alone often enough, much longer, and ends all round.
-    Beside tracked people it may be a part of one of them.  A hand has other colours, goes on behind
-    something else than the object, or most of it was there in the last frame, unlabelled, as
-    ``before`` (M,) of the new surface was.
+    It makes a moving object, not yet seen alone often enough, much longer, and is isolated.  Beside
+    tracked people it may be part of a person.  A hand has other colours, continues behind another
+    surface than the object, or was mostly there, unlabelled, in the last frame: ``before`` (M,).
     """
     options = track.options.growth
     known = track.frames_alone >= options.known_frames or track.motion.slow(track.unit)
@@ -315,17 +314,17 @@ def _painted_end_on(track: Track, view: View, core: I64, new: I64, before: Mask)
 
 
 def _length(view: View, points: I64) -> float:
-    """Standard deviation (m) of ``points`` (M,) along the direction in which they are longest."""
+    """Return the standard deviation (m) of ``points`` (M,) along their longest axis."""
     return float(np.sqrt(np.linalg.norm(np.cov(view.xyz[points].T), 2)))
 
 
 def _searched(
     track: Track, view: View, fit: Registration, other: Mask, most: int
 ) -> tuple[I64, Limits]:
-    """Points (M,) of ``other`` (N,) that may be connected with a track, and the limits of that.
+    """Return points (M,) of ``other`` (N,) that may be connected with a track, and the limits.
 
-    What is on the move before a camera may be longer than it is known to be, and have more than
-    ``most`` new points.
+    A moving object in front of a camera may be longer than known, and have more than ``most`` new
+    points.
     """
     options = track.options.growth
     slow = track.motion.slow(track.unit)
@@ -346,14 +345,13 @@ def _searched(
 def _may_be_a_hand(
     track: Track, view: View, fit: Registration, core: I64, new: I64, before: Mask
 ) -> bool:
-    """Whether new surface may be what throws or catches an object: that was there, unlabelled, in
-    the last frame, as ``before`` (M,) of it was.  An arm goes on beyond where that was looked for;
-    of what has no colours to be known by, only what lies there tells.
+    """Return whether new surface may be a hand that throws or catches an object.
 
-    A sensor that moves sees new sides all the time, and what it missed once it may see again.
+    A hand was there, unlabelled, in the last frame: ``before`` (M,) of the new surface.  An arm
+    continues beyond the searched box; without distinctive colours only points inside it count.
 
-    What goes on behind something nearer, and has not the colours that the object was painted with,
-    may be a hand though its arm is hidden: it has gone along, or has just come.
+    A moving sensor sees new sides all the time, and surface missed in earlier frames.  Surface that
+    continues behind a nearer one, without the painted colours, may be a hand with a hidden arm.
     """
     options = track.options.growth
     if view.roams:
@@ -373,6 +371,6 @@ def _may_be_a_hand(
 
 
 def _share_there(track: Track, view: View, new: I64, before: Mask) -> float:
-    """Share of points ``new`` (M,) that were there ``before`` (M,); 0 where nothing is known."""
+    """Return the share of points ``new`` (M,) that were there ``before`` (M,); 0 if unknown."""
     asked = track.other_movers.asked(view.xyz[new]) | track.has_colour_key
     return float(before[asked].mean()) if asked.any() else 0.0

@@ -1,8 +1,8 @@
-"""Objects that look alike and may have changed places: how far the labels of both can be trusted.
+"""Confidence of similar objects that may have been exchanged.
 
-Where two met, each was found where its own motion led, or where the other's did.  If the second
-explains the frame about as well, nothing in it tells whose points are whose, and nothing that is
-seen of the two later does: only their ways before and after, where both flew on evenly.
+When two objects meet, each is found at its own prediction or at the other's.  If an exchange
+explains the frame about as well, neither this frame nor later appearances resolve the identities;
+only smooth trajectories before and after the meeting do.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ Pair = tuple[int, int]
 
 @dataclass(eq=False)
 class Meeting:
-    """Two objects that may have changed places: their labels deserve at most a ``confidence_cap``.
+    """Two objects that may have been exchanged; ``confidence_cap``: their maximum confidence.
 
-    Where both were ``before`` (2, M, 3), and in the frame that they met and those ``after``; None
-    where one was not seen.
+    ``before`` (2, M, 3): their positions before the meeting; ``after``: positions in the frame of
+    the meeting and later, None if one of them was not seen.
     """
 
     options: IdentityOptions
@@ -35,7 +35,7 @@ class Meeting:
     after: list[F64 | None] = field(default_factory=list)
 
     def kept_places(self) -> bool:
-        """Whether the two are known to have kept their places, by their ways."""
+        """Return whether the trajectories prove that the two were not exchanged."""
         options = self.options
         late = [both for both in self.after[1:] if both is not None]
         if len(late) < options.compared_frames or not self.before.shape[1]:
@@ -48,7 +48,7 @@ class Meeting:
 
 
 class Swaps:
-    """All pairs of small objects of a run that look alike and met."""
+    """All pairs of similar small objects of a run that met."""
 
     def __init__(self, options: IdentityOptions) -> None:
         self.options = options
@@ -57,7 +57,7 @@ class Swaps:
     def meet(
         self, tracks: Mapping[int, Track], fits: Mapping[int, Registration]
     ) -> dict[int, float]:
-        """Take note of where objects were found; label → confidence at most of those that met."""
+        """Record the positions of objects; return maximum confidences by label after meetings."""
         at = {n: _middle(tracks[n], fit) for n, fit in fits.items() if tracks[n].hand_sized}
         ahead: dict[int, F64] = {}
         for pair in combinations(sorted(at), 2):
@@ -77,18 +77,18 @@ class Swaps:
         return caps
 
     def forget(self, label: int) -> None:
-        """A person has said where an object is."""
+        """End the meetings of an object confirmed by a person."""
         self.meetings = {pair: of for pair, of in self.meetings.items() if label not in pair}
 
     def _compare(
         self, tracks: Mapping[int, Track], at: dict[int, F64], ahead: dict[int, F64], pair: Pair
     ) -> None:
-        """Begin a meeting where two may have changed places in this frame."""
+        """Start a meeting if two objects may have been exchanged in this frame."""
         options = self.options
         one, other = pair
         rough = sum((options.prediction_units * tracks[n].unit) ** 2 for n in pair)
         kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
-        # Nothing stops just where another comes by.
+        # Exchanged objects continue to move: the prediction at rest is left out.
         swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
         if kept < options.uneven_ratio * swapped or not _look_alike(tracks[one], tracks[other]):
             return
@@ -102,7 +102,7 @@ class Swaps:
         )
 
     def _go_on(self, at: Mapping[int, F64]) -> None:
-        """Remember where those that met are; end the meetings of those told apart by it."""
+        """Add positions to all meetings, and end the meetings that they resolve."""
         for (one, other), meeting in list(self.meetings.items()):
             if len(meeting.after) <= self.options.compared_frames:
                 seen = one in at and other in at
@@ -116,7 +116,7 @@ def _middle(track: Track, fit: Registration) -> F64:
 
 
 def _predicted(track: Track) -> F64:
-    """(K, 3) where the middle of an object may be, at rest in the end."""
+    """Return (K, 3) predicted centres of an object, the one at rest last."""
     poses = track.motion.predictions
     poses = poses if len(poses) > 1 else np.repeat(poses, 2, axis=0)
     return np.asarray(poses[:, :3, :3] @ track.motion.centre + poses[:, :3, 3])
@@ -125,9 +125,9 @@ def _predicted(track: Track) -> F64:
 def _may_be_changed(
     tracks: Mapping[int, Track], at: Mapping[int, F64], pair: Pair, options: IdentityOptions
 ) -> bool:
-    """Whether two are near, and not both clearly nearer to where they were going than to the other.
+    """Return whether two objects are near, and not both clearly nearer to their own predictions.
 
-    Asked of all pairs in each frame, before all their predictions are made.
+    This cheap test runs for all pairs in each frame, before the full predictions.
     """
     one, other = (tracks[n] for n in pair)
     apart = float(np.linalg.norm(at[pair[0]] - at[pair[1]]))
@@ -140,7 +140,7 @@ def _may_be_changed(
 
 
 def _off(ahead: F64, at: F64) -> float:
-    """Square of the way to the nearest prediction."""
+    """Return the squared distance to the nearest prediction."""
     away = ahead - at
     return float(np.einsum("ij,ij->i", away, away).min())
 
@@ -155,7 +155,7 @@ def _look_alike(one: Track, other: Track) -> bool:
 
 
 def _ways(one: Track, other: Track) -> F64:
-    """(2, M, 3) where the middles of both were in the last frames; none where one was hidden."""
+    """Return (2, M, 3) centres of both in the last frames; empty if one was occluded."""
     motions = [one.motion, other.motion]
     count = min(len(motion.poses) if motion.gap == 1 else 0 for motion in motions)
     poses = np.stack([motion.poses[len(motion.poses) - count :] for motion in motions])
@@ -166,9 +166,10 @@ def _ways(one: Track, other: Track) -> F64:
 
 
 def _unsteady(ways: F64, options: IdentityOptions) -> float:
-    """Sum of squares by which two ways (2, M + FRAMES, 3) are off even motion and free fall.
+    """Return the residual sum of squares of two trajectories (2, M + FRAMES, 3).
 
-    M frames before a meeting, and FRAMES after it; what falls is accelerated as the other is.
+    They have M frames before a meeting and FRAMES after it.  The model is a constant velocity with
+    a common acceleration of free fall.
     """
     early = ways.shape[1] - options.compared_frames
     time = np.array([*range(-early, 0), *range(1, options.compared_frames + 1)], np.float64)

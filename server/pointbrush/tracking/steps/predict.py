@@ -1,4 +1,4 @@
-"""Predicted poses, the part of a frame around them, and its shares of tracks that meet."""
+"""Predicted poses, the part of a frame around them, and its division among tracks that meet."""
 
 from __future__ import annotations
 
@@ -24,12 +24,11 @@ from pointbrush.tracking.steps.verdict import Look, costs_of, look
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """An object's part of the frame: points ``around`` its ``hypotheses`` (K, 4, 4), inside a
-    ``box``.
+    """Part of the frame around an object's ``hypotheses`` (K, 4, 4), inside a ``box``.
 
-    ``near`` are those that it may have, ``moving`` those before the background that were not
-    there in the last frame either, ``faint`` those of ``near`` that are hardly before it.  The
-    model is fitted to the ``left`` target, all that moves where that is None.
+    Indices of its points: ``around``, all; ``near``, available to the object; ``moving``, in front
+    of the background and not there in the last frame; ``faint``, those of ``near`` barely in front
+    of the background.  ``left``: target of the registration, all moving points if None.
     """
 
     track: Track
@@ -49,12 +48,12 @@ class Search:
 
     @cached_property
     def few(self) -> I64:
-        """Numbers of the model points that hypotheses are judged by."""
+        """Indices of the model points used to judge hypotheses."""
         return self._some(self.options.search.coarse_points)
 
     @cached_property
     def many(self) -> I64:
-        """Numbers of those that the last iterations use."""
+        """Indices of the model points used in the last iterations."""
         return self._some(self.options.search.fine_points)
 
     def _some(self, count: int) -> I64:
@@ -63,14 +62,14 @@ class Search:
 
     @cached_property
     def target(self) -> Target:
-        """Some of the moving points, to which the model is fitted."""
+        """Sample of the moving points, the target of the registration."""
         if self.left is not None:
             return self.left
         return target_of(self.view, self.moving, self.track.weight)
 
     @cached_property
     def costs(self) -> F64:
-        """(K,) what each of the hypotheses costs, by the target as it is."""
+        """(K,) cost of each hypothesis without registration."""
         track = self.track
         return costs_of(
             track, self.target, self.few, self.at, self.options.search.judged_units * track.unit
@@ -78,29 +77,31 @@ class Search:
 
     @cached_property
     def at(self) -> Look:
-        """The few at each of the hypotheses."""
+        """Projection of the model points ``few`` at each hypothesis."""
         return look(self.track, self.view, self.few, self.hypotheses, self.own)
 
     @cached_property
     def own(self) -> I64 | None:
-        """The directions in which what was measured may be the object: it does not hide itself
-        where it has come nearer than a prediction."""
+        """Directions in which measurements may be the object itself.
+
+        It must not count as occluded by itself if it is nearer than predicted.
+        """
         if self.view.lens is not None or self.view.shade is None:
             return None
         return self.view.shade.towards(self.target.xyz)
 
     @property
     def best(self) -> F64:
-        """The likeliest prediction."""
+        """The most likely prediction."""
         return np.asarray(self.hypotheses[np.argmin(self.costs)])
 
 
 def crop(
     track: Track, view: View, background: Background, free: Mask, hypotheses: F64 | None = None
 ) -> Search | None:
-    """Cut out what may be the object, without what stood still; None where nothing is.
+    """Return the part of the frame that may be the object, without static points; None: empty.
 
-    ``hypotheses`` (K, 4, 4) where it may be, if not where it is predicted.
+    ``hypotheses`` (K, 4, 4): possible poses, by default the predictions.
     """
     options = track.options.search
     if hypotheses is None:
@@ -121,18 +122,18 @@ def crop(
     if len(moving) < options.min_moving_points:
         return None
     search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
-    _ = search.costs  # which those who share the points out ask for
+    _ = search.costs  # cached for ``share_out``
     return search
 
 
 def _unworn(track: Track, view: View, points: I64) -> I64:
-    """Keep the points (M,) that do not clearly have the colours of somebody's clothes."""
+    """Return the points (M,) that do not clearly have the colours of a person's clothes."""
     over = track.over_clothes(view.colour(points))
     return points[over > -track.options.body.distinct_log]
 
 
 def _search_margin(track: Track) -> float:
-    """Metres around the predicted middles of a track in which its points may lie."""
+    """Return the margin (m) around predicted centres in which a track's points may lie."""
     options = track.options.search
     radius, unit = track.span, track.unit
     gap = min(track.motion.gap, options.max_growing_frames)
@@ -149,10 +150,10 @@ def _search_margin(track: Track) -> float:
 def _before_background(
     track: Track, view: View, background: Background, around: I64
 ) -> tuple[I64, I64, I64]:
-    """Of the points ``around`` (P,) those ``near``, ``moving`` and ``faint``: see ``Search``."""
+    """Return the ``near``, ``moving`` and ``faint`` points of ``around`` (P,); see ``Search``."""
     options = track.options.search
     far, still = background.static(view, around)
-    if track.stands:  # What was missed of it stands as still as it does.
+    if track.stands:  # Its missed points are static as well.
         far &= ~background.faint(view, around)
     if track.large:
         speed = track.motion.speed
@@ -163,7 +164,7 @@ def _before_background(
         )
         rest = np.flatnonzero(~far)
         far[rest] = background.scenery(view, around[rest], stay)
-    # Only what is slow can be where something else was.
+    # Only a slow object can be at another object's former place.
     slow = track.motion.slow(track.unit)
     own = ~far if slow else ~(far | still)
     hardly = np.zeros(len(around), np.bool_)
@@ -173,7 +174,7 @@ def _before_background(
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:
-    """Drop the hypotheses (K, 4, 4) that are nearly the same as one before them."""
+    """Return the hypotheses (K, 4, 4) without near duplicates of earlier ones."""
     ends = transform_each(hypotheses, track.ends)
     apart = np.abs(ends[:, None] - ends).max(axis=(2, 3))
     kept: list[int] = []
@@ -187,7 +188,7 @@ def _distinct(track: Track, hypotheses: F64) -> F64:
 
 
 def search_among(track: Track, view: View, points: I64) -> Search:
-    """Look for an object among ``points`` (M,) alone, that are known to be its own."""
+    """Return a search for an object in ``points`` (M,) known to be its own."""
     xyz = view.xyz[points].astype(np.float64)
     box = bounds(xyz)
     hypotheses = track.motion.predictions
@@ -195,14 +196,14 @@ def search_among(track: Track, view: View, points: I64) -> Search:
 
 
 def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:
-    """An even part of the points, ``most`` of them, as a target of registration."""
+    """Return a uniform sample of at most ``most`` points as a target of registration."""
     most = most or view.options.search.target_points
     some = indices[:: max(1, -(-len(indices) // most))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
 
 
 def share_out(searches: Mapping[int, Search], options: SearchOptions) -> dict[int, Search]:
-    """Take out of each target what another object's prediction explains clearly better."""
+    """Remove points from each target that another object's prediction explains clearly better."""
     ghosts = {label: _ghost(search) for label, search in searches.items()}
     sure = [n for n, search in searches.items() if min(search.costs) < _limit(search.track)]
     shared = dict(searches)
@@ -227,7 +228,7 @@ def share_out(searches: Mapping[int, Search], options: SearchOptions) -> dict[in
 
 
 def _limit(track: Track) -> float:
-    """Cost up to which a prediction is sure; what motion an object has may not be known yet."""
+    """Return the cost up to which a prediction is certain; it depends on the known motion."""
     options = track.options.register
     if track.motion.fresh:
         return options.clear_cost if track.hand_sized else 0.0
@@ -235,7 +236,7 @@ def _limit(track: Track) -> float:
 
 
 class _Surface(NamedTuple):
-    """Sorted points, and the corners (3,) of the box that they lie in."""
+    """Sorted points, and the corners (3,) of their bounding box."""
 
     columns: Columns
     lo: F64
@@ -244,14 +245,14 @@ class _Surface(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ghost:
-    """An object where it is predicted, in place and colour."""
+    """An object at its prediction, by position and colour."""
 
     surface: _Surface
     centre: F64
     radius: float
 
     def meets(self, other: _Ghost, options: SearchOptions) -> bool:
-        """Whether the two are near to each other."""
+        """Return whether the two are near each other."""
         away = self.centre - other.centre
         return float(away @ away) < (options.meeting_radii * (self.radius + other.radius)) ** 2
 
@@ -274,7 +275,7 @@ def _drop_theirs(
     reach: float,
     clearly_nearer_share: float,
 ) -> None:
-    """Mark which points (N, 3) are nearer to another's surface than half as far as to their own."""
+    """Mark points (N, 3) clearly nearer to another object's surface than to their own one."""
     mine, others = own.columns, theirs.columns
     room, other_room = spans(mine), spans(others)
     for i in range(len(xyz)):

@@ -1,4 +1,4 @@
-"""Pose hypotheses beside the predictions: clusters of moving points, of its colour and size."""
+"""Pose hypotheses beyond the predictions, from clusters of moving points by colour and size."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from pointbrush.tracking.options.steps import ProposalOptions
 AS_IT_WAS = np.eye(3)[None]
 """No rotation (1, 3, 3)."""
 ALL_WAYS = Rotation.create_group("O").as_matrix()
-"""Rotations (24, 3, 3) of which one is within 63 degrees of any."""
+"""Rotations (24, 3, 3) within 63 degrees of any rotation."""
 OPPOSITE, ALONG = -0.9999, 1e-3
 """Cosine under which two directions are opposite, and sine under which they are the same: the axis
 from one to the other is not told by their product."""
 
 
 def proposals(track: Track, target: Target, pose: F64) -> list[F64]:
-    """Poses (4, 4) to try for an object whose motion is not known.
+    """Return candidate poses (4, 4) for an object with unknown motion.
 
-    Where ``pose`` puts it, and on each of the target's likeliest clusters: as ``pose`` has
-    turned it, turned by TURN about each axis either way, and with its longest direction along
-    the cluster's, both ways round.
+    Positions are the one of ``pose`` and the most likely clusters of the target.  Rotations are the
+    one of ``pose``, turns about each axis in both directions, and alignments of the longest axes of
+    object and cluster in both directions.
     """
     options = track.options.propose
     model = track.model
@@ -46,14 +46,16 @@ def proposals(track: Track, target: Target, pose: F64) -> list[F64]:
 
 
 def _turns(degrees: float) -> F64:
-    """Return the rotations (6, 3, 3) by some degrees about each axis, either way."""
+    """Return the rotations (6, 3, 3) by some degrees about each axis, in both directions."""
     vectors = [sign * np.radians(degrees) * axis for axis in np.eye(3) for sign in (1.0, -1.0)]
     return np.asarray(Rotation.from_rotvec(vectors).as_matrix())
 
 
 def shifts(model: F64, target: F64, pose: F64, unit: float, options: ProposalOptions) -> list[F64]:
-    """Poses (4, 4) shifted against ``pose`` to where most of the points (M, 3) of a model would
-    find one of a target (N, 3): what drives may be far from where it was, turned as it was."""
+    """Return translations (4, 4) of ``pose`` that match most points of a model (M, 3) and target.
+
+    A vehicle may have moved far, with nearly the same rotation.
+    """
     world = transform(pose, model)
     both = np.vstack([target, world])
     step = max(
@@ -78,7 +80,7 @@ def shifts(model: F64, target: F64, pose: F64, unit: float, options: ProposalOpt
 
 
 def nudges(model: Model, pose: F64, options: ProposalOptions) -> list[F64]:
-    """Poses (4, 4) beside ``pose``: turned a little about each axis, and slid along the longest."""
+    """Return poses (4, 4) near ``pose``: small turns about each axis, shifts along the longest."""
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
@@ -88,21 +90,21 @@ def nudges(model: Model, pose: F64, options: ProposalOptions) -> list[F64]:
 
 
 def turned_at(model: Model, pose: F64, middle: F64) -> F64:
-    """Poses (24, 4, 4) with the model's middle at ``middle``, turned all ways against ``pose``."""
+    """Return poses (24, 4, 4) with the model's centre at ``middle``, in all orientations."""
     at = transform(pose, model.xyz).mean(axis=0)
     return _moved(pose, at, middle, ALL_WAYS)
 
 
 def alike(model: Model, colour: F32, options: ProposalOptions) -> Mask:
-    """Mark the colours (M, 3) that the model has about."""
+    """Mark the colours (M, 3) that are similar to one of the model's."""
     palette = model.colour[:: max(1, len(model.colour) // options.palette_points)]
     return close_to(colour, palette, options.alike_colour)
 
 
 def _clusters(track: Track, target: Target) -> list[tuple[F64, F64]]:
-    """Middles (3,) and points (M, 3) of the target's likeliest clusters.
+    """Return centres (3,) and points (M, 3) of the most likely clusters of the target.
 
-    Those that end all round, and then where most points are.
+    Isolated clusters come first, followed by the densest regions.
     """
     options = track.options.propose
     model, points = track.model, target.xyz
@@ -130,7 +132,7 @@ def _clusters(track: Track, target: Target) -> list[tuple[F64, F64]]:
 
 
 def _alone(track: Track, points: F64) -> list[tuple[F64, F64]]:
-    """Middles and points of the pieces no larger than the model, the largest first."""
+    """Return centres and points of components no larger than the model, the largest first."""
     options, model, unit = track.options, track.model, track.unit
     if len(points) < options.propose.min_cluster_points:
         return []
@@ -150,7 +152,7 @@ def _alone(track: Track, points: F64) -> list[tuple[F64, F64]]:
 
 
 def _axis(xyz: F64) -> tuple[F64, float]:
-    """Longest direction, and how many times longer it is than the next."""
+    """Return the longest axis, and the ratio of its length to the next one's."""
     if len(xyz) < 3:
         return np.array([1.0, 0.0, 0.0]), 1.0
     off = xyz.T - xyz.mean(axis=0)[:, None]
@@ -160,7 +162,7 @@ def _axis(xyz: F64) -> tuple[F64, float]:
 
 
 def _turn(a: F64, b: F64) -> F64:
-    """The least rotation (3, 3) that brings unit vector ``a`` to ``b``."""
+    """Return the minimal rotation (3, 3) of the unit vector ``a`` to ``b``."""
     v, c = np.cross(a, b), float(a @ b)
     if c < OPPOSITE:
         side = np.cross(a, [1.0, 0.0, 0.0])
@@ -173,8 +175,10 @@ def _turn(a: F64, b: F64) -> F64:
 
 
 def _moved(pose: F64, middle: F64, centre: F64, turns: F64) -> F64:
-    """(K, 4, 4) ``pose`` turned by each of ``turns`` (K, 3, 3) about ``middle`` (3,) and brought
-    to ``centre`` (3,)."""
+    """Return (K, 4, 4) ``pose`` rotated by ``turns`` (K, 3, 3) and moved.
+
+    The rotation is about ``middle`` (3,), which moves to ``centre`` (3,).
+    """
     T = np.zeros((len(turns), 4, 4))
     T[:, :3, :3] = turns
     T[:, :3, 3] = centre - turns @ middle

@@ -1,5 +1,4 @@
-"""Register an object: robust fits from the likeliest hypotheses, the best by what the sensor
-saw."""
+"""Registration of an object: robust fits from the most likely hypotheses, ranked by evidence."""
 
 from __future__ import annotations
 
@@ -28,7 +27,7 @@ from pointbrush.tracking.steps.verdict import costs_of, look
 
 
 def find(search: Search) -> Registration:
-    """Register an object, and bend it where it bends."""
+    """Return the registration of an object, with its surface deformed if it bends."""
     track = search.track
     best = register(search)
     world = transform(best.pose, track.model.xyz)
@@ -51,7 +50,7 @@ def find(search: Search) -> Registration:
 
 
 def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
-    """Surface of an object, at ``world`` (M, 3) with ``colour`` (M, 3), bent onto the target."""
+    """Return the surface ``world`` (M, 3) with ``colour`` (M, 3), deformed to the target."""
     options = track.options
     apart = max(
         track.model.radius / options.register.nodes_per_radius,
@@ -62,9 +61,9 @@ def bent(track: Track, world: F64, colour: F32, target: Target) -> F64:
 
 
 class Registered(NamedTuple):
-    """The best ``pose`` (4, 4) and its ``cost``; those ``tried`` (H, 4, 4), and their ``costs``.
+    """The best ``pose`` (4, 4) and its ``cost``; hypotheses ``tried`` (H, 4, 4), with ``costs``.
 
-    ``alternatives_failed``: other poses than the predicted ones were tried, and were no better.
+    ``alternatives_failed``: whether poses other than the predicted ones were tried without success.
     """
 
     pose: F64
@@ -75,7 +74,7 @@ class Registered(NamedTuple):
 
 
 def register(search: Search) -> Registered:
-    """Take the best of the robust fits from the likeliest hypotheses."""
+    """Return the best of the robust fits from the most likely hypotheses."""
     options = search.options.register
     motion = search.track.motion
     poses, scores = _repeated(search)
@@ -111,7 +110,7 @@ def register(search: Search) -> Registered:
 
 
 def _elsewhere(search: Search) -> list[F64]:
-    """Other poses than the predicted ones; what a lidar sees stands upright."""
+    """Return poses other than the predicted ones; in lidar scans objects stay upright."""
     track, hypothesis = search.track, search.hypotheses[0]
     if track.scanned:
         some = track.model.xyz[search.few]
@@ -120,7 +119,7 @@ def _elsewhere(search: Search) -> list[F64]:
 
 
 def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
-    """Poses beside the best and, while the motion is unknown, beside the best at another place."""
+    """Return poses near the best and, if the motion is unknown, near the best at another place."""
     track, best = search.track, int(np.argmin(scores))
     others = nudges(track.model, poses[best], track.options.propose)
     if track.motion.fresh and track.hand_sized:
@@ -136,14 +135,14 @@ def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
 
 
 def _rests(search: Search, pose: F64, score: float) -> bool:
-    """Whether an object found at ``pose`` may as well have stayed where it was.
+    """Return whether an object found at ``pose`` may be at rest at its last pose.
 
-    What half hides it would push it away bit by bit.
+    Partial occlusion would otherwise shift it gradually.
     """
     options = search.options.register
     track, last = search.track, search.track.motion.resting_pose
     if track.stands and search.view.shade is not None and _hidden(search, last):
-        return True  # what drives by before a parked car is not that car, however alike
+        return True  # a similar vehicle passing in front of a parked car is not that car
     if track.bends:
         return False
     if search.view.lens is None:
@@ -163,16 +162,15 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
 
 
 def _hidden(search: Search, pose: F64) -> bool:
-    """Whether other objects hide most of what faces the sensor at a pose (4, 4)."""
+    """Return whether other objects occlude most of the side facing the sensor at a pose (4, 4)."""
     at = look(search.track, search.view, search.few, pose[None])
     return float(at.seen.mean()) < search.options.register.open_share * float(at.facing[0])
 
 
 def _asked(search: Search) -> bool:
-    """Whether other places are tried in this frame.
+    """Return whether other places are tried in this frame.
 
-    Seldom where an object that hardly moves was found in none of them before; what moves may be
-    anywhere in every frame.
+    They are tried seldom for a slow object after a failed search, and always for moving objects.
     """
     turn = (search.view.number + search.track.label) % search.options.register.retry_frames == 0
     track = search.track
@@ -180,12 +178,11 @@ def _asked(search: Search) -> bool:
 
 
 def _repeated(search: Search) -> tuple[F64, F64]:
-    """Fits from the likeliest hypothesis and, unless that one is good, the next: poses and
-    scores."""
+    """Return poses and scores of fits from the best hypothesis and, unless it is good, the next."""
     options = search.options.register
     poses, scores = np.empty((0, 4, 4)), np.empty(0)
     for hypothesis in _likeliest(search).tolist():
-        # Without a depth image a wrong turn may fit as well.
+        # Without a depth image a wrong rotation may fit equally well.
         if not len(scores) or scores[0] > options.good_cost or search.view.lens is None:
             seen = search.at.seen[hypothesis : hypothesis + 1]
             new = _fits(
@@ -201,7 +198,7 @@ def _repeated(search: Search) -> tuple[F64, F64]:
 
 
 def _likeliest(search: Search) -> I64:
-    """Number of the best of the hypotheses, and of the next that is another and hardly worse."""
+    """Return indices of the best hypothesis and of the next different one that is little worse."""
     options = search.options.register
     costs = search.costs
     order = np.argsort(costs, kind="stable")
@@ -215,10 +212,10 @@ def _likeliest(search: Search) -> I64:
 def _try(
     search: Search, hypotheses: list[F64], most: int, poses: F64, scores: F64
 ) -> tuple[F64, F64]:
-    """Fit the likeliest of the hypotheses, and add them with their scores.
+    """Fit the most likely hypotheses; return all poses with their scores.
 
-    Half of them are chosen by what is seen alone, in turn over the places: what is thrown or
-    knocked goes on elsewhere than any prediction, and the likeliest may all be at one wrong place.
+    Half of them are chosen by visible evidence alone, alternating over places: a thrown object may
+    leave all predictions, and the most likely hypotheses may all be at the same wrong place.
     """
     options = search.options.register
     track, some, tried = search.track, search.few, np.stack(hypotheses)
@@ -235,9 +232,9 @@ def _try(
 
 
 def _over_places(track: Track, poses: F64, first: I64, rest: I64) -> I64:
-    """The ``rest`` (M,) of the poses (K, 4, 4), in turn over the places that the object has there.
+    """Return the ``rest`` (M,) of the poses (K, 4, 4), alternating over places of the object.
 
-    The ``first`` (N,) have had their turns.
+    The ``first`` (N,) were used before and count.
     """
     at = transform_each(poses, track.model.centre[None])[:, 0]
     turn = _turns(
@@ -249,9 +246,9 @@ def _over_places(track: Track, poses: F64, first: I64, rest: I64) -> I64:
 
 @compiled
 def _turns(at: F64, apart: float) -> I64:
-    """(N,) how many of the points (N, 3) before each have been at its place.
+    """Return (N,) the number of earlier points (N, 3) at the place of each point.
 
-    A place is where the first was that was more than ``apart`` metres from all places before.
+    A point more than ``apart`` metres from all earlier places starts a new place.
     """
     turn, turns = np.empty(len(at), np.int64), np.zeros(len(at), np.int64)
     places, count = np.empty_like(at), 0
@@ -274,7 +271,7 @@ def _turns(at: F64, apart: float) -> I64:
 
 
 def _scores(search: Search, poses: F64) -> F64:
-    """Total cost (K,) of each of ``poses`` (K, 4, 4)."""
+    """Return the total cost (K,) of each of ``poses`` (K, 4, 4)."""
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)
@@ -297,9 +294,9 @@ def _fits(
     *,
     seen: Mask | None = None,
 ) -> Fits:
-    """Fit what the sensor should see of the object at each of ``poses``; ``scales`` in units.
+    """Return fits of the visible part of the object at each of ``poses``; ``scales`` in units.
 
-    ``seen`` (K, M): which of the sample that is, where it is known.
+    ``seen`` (K, M): mask of visible points of the sample, if known.
     """
     model = search.track.model
     if seen is None:
@@ -314,7 +311,7 @@ def _fits(
 
 
 def _surprise(search: Search, poses: F64) -> F64:
-    """(K,) how far from all predictions, in place and turned, 0 to SURPRISE and TURNED."""
+    """Return (K,) the cost of the distance of poses from all predictions, in place and rotation."""
     options = search.options.register
     motion, model, hypotheses = search.track.motion, search.track.model, search.hypotheses
     at, expected = (transform_each(T, motion.centre[None])[:, 0] for T in (poses, hypotheses))

@@ -1,4 +1,4 @@
-"""Search in the whole frame for tracks that went astray."""
+"""Search in the whole frame for lost tracks."""
 
 from __future__ import annotations
 
@@ -26,9 +26,10 @@ from pointbrush.tracking.steps.verdict import judge, look
 def find_astray(
     tracks: Iterable[Track], astray: dict[int, int], associations: Associations
 ) -> Associations:
-    """Look for ``tracks`` that fit badly or not at all; the associations with those found.
+    """Search for ``tracks`` with a poor fit or none; return the associations with found ones.
 
-    ``astray`` label → frames for which an object was nowhere near where it should be; kept up.
+    ``astray``: number of frames, by label, in which an object was far from its predictions; updated
+    in place.
     """
     view, background = associations.view, associations.background
     some = [track for track in tracks if _is_astray(track, astray, associations)]
@@ -49,7 +50,7 @@ def find_astray(
 
 
 def _is_astray(track: Track, astray: dict[int, int], associations: Associations) -> bool:
-    """Whether an object is to be looked for in this frame; the frames in doubt are counted."""
+    """Return whether to search for an object in this frame, and count its frames in doubt."""
     options = track.options.relocate
     view, fit = associations.view, _own(track, associations)
     if view.lens is None or track.lost or not track.rigid:
@@ -66,9 +67,9 @@ def _is_astray(track: Track, astray: dict[int, int], associations: Associations)
 
 
 def _hidden_at_rest(track: Track, view: View) -> bool:
-    """Tell that the place where an object rested is hidden, or not measured.
+    """Return whether the resting place of an object is occluded or unmeasured.
 
-    It is there then, and not where something looks like it.
+    The object is then assumed to be there, and not at a similar object.
     """
     options = track.options
     count = len(track.model.xyz)
@@ -80,8 +81,10 @@ def _hidden_at_rest(track: Track, view: View) -> bool:
 
 
 def _own(track: Track, associations: Associations) -> Registration | None:
-    """The registration of an object, None where it is at another's points, or hardly anything of
-    it shows far from where it should be."""
+    """Return the registration of an object.
+
+    None: it is on another object's points, or shows too little far from its predictions.
+    """
     found = associations.found.get(track.label)
     if found is None or found.undisputed < track.options.relocate.others_share:
         return None
@@ -89,18 +92,18 @@ def _own(track: Track, associations: Associations) -> Registration | None:
 
 
 def _away(track: Track, found: Association) -> float:
-    """Metres by which an object was found off all its predictions."""
+    """Return the distance (m) of a found object from all its predictions."""
     at = transform(found.registration.pose, track.motion.centre[None])
     return float(np.linalg.norm(_expected(track) - at, axis=1).min())
 
 
 def _beyond(track: Track, found: Association) -> bool:
-    """Test whether a carried object was found farther off than its bearer's arm reaches."""
+    """Return whether a carried object was found beyond its carrier's arm length."""
     return _away(track, found) > track.options.relocate.arm_m
 
 
 def _scrap(track: Track, found: Association) -> bool:
-    """Whether hardly anything of an object shows at a place where no motion led."""
+    """Return whether too little of an object shows at a place far from its predictions."""
     return bool(
         _away(track, found) > track.model.radius
         and len(found.claim.indices) < track.options.relocate.shown_far_share * track.size
@@ -108,7 +111,7 @@ def _scrap(track: Track, found: Association) -> bool:
 
 
 def _expected(track: Track) -> F64:
-    """(K, 3) where the middle of an object is predicted."""
+    """Return (K, 3) predicted centres of an object."""
     return transform_each(track.motion.predictions, track.motion.centre[None])[:, 0]
 
 
@@ -120,8 +123,10 @@ def _best(
     points: I64,
     before: Registration | None,
 ) -> Association | None:
-    """Register the object to the clusters of ``points`` (M,) and take the best fit, if it is good
-    and far better than ``before``."""
+    """Return the best fit of the object to clusters of ``points`` (M,).
+
+    None: it is not good, or not much better than ``before``.
+    """
     options = track.options
     best, most = None, options.relocate.clear_cost
     if before is not None:
@@ -153,7 +158,7 @@ def _best(
 
 
 def _looks_like(track: Track, view: View, claim: Claim) -> bool:
-    """Whether what is claimed has the colours that an object was painted with, as no arm has."""
+    """Return whether claimed points have the colours of the painted object, unlike an arm."""
     return (
         track.appearance.share(view.colour(claim.indices))
         > track.options.relocate.painted_colours_share
@@ -161,7 +166,7 @@ def _looks_like(track: Track, view: View, claim: Claim) -> bool:
 
 
 def _is_elsewhere(track: Track, fit: Registration, before: Registration | None) -> bool:
-    """Whether an object is not where it was found ``before``, and only turned another way."""
+    """Return whether an object is at another place than ``before``, instead of only rotated."""
     if before is None:
         return True
     here, there = (transform(at.pose, track.model.centre[None]) for at in (fit, before))
@@ -169,7 +174,7 @@ def _is_elsewhere(track: Track, fit: Registration, before: Registration | None) 
 
 
 def _clusters(track: Track, view: View, points: I64) -> list[F64]:
-    """Middles (3,) of what hangs together in the object's colours, the likeliest sizes first."""
+    """Return centres (3,) of components in the object's colours, the most likely sizes first."""
     options = track.options
     if track.weight > 0.0:
         points = points[alike(track.model, view.colour(points), options.propose)]
@@ -191,8 +196,10 @@ def _clusters(track: Track, view: View, points: I64) -> list[F64]:
 
 
 def register_and_claim(track: Track, view: View, search: Search) -> Association:
-    """Register an object and claim its points: none where it should be hidden, and nothing comes so
-    fast."""
+    """Register an object and claim its points.
+
+    It claims none if it should be occluded and the found position is too far away.
+    """
     fit = find(search)
     if track.body and _far_off(track, search, fit):
         return Association(fit, Claim.nothing())
@@ -200,10 +207,10 @@ def register_and_claim(track: Track, view: View, search: Search) -> Association:
 
 
 def _far_off(track: Track, search: Search, fit: Registration) -> bool:
-    """Whether a large object would be far from where it is hidden now: that is another person."""
+    """Return whether a large object is too far from its occluded position to be the same one."""
     options = track.options
     motion = track.motion
-    if motion.fresh or track.painted.cut:  # what was painted in part grows by what comes out
+    if motion.fresh or track.painted.cut:  # a partly painted object grows as it appears
         return False
     centre = motion.centre[None]
     at = transform(fit.pose, centre)[0]

@@ -1,4 +1,4 @@
-"""Results of the steps of a frame, one after the other."""
+"""Results of the steps of a frame."""
 
 from __future__ import annotations
 
@@ -15,8 +15,11 @@ from pointbrush.tracking.steps.settle import Outcome
 
 @dataclass(frozen=True, eq=False)
 class FrameTask:
-    """A frame to track into: ``fixed`` points of labels are known, those of labels ``aside`` too,
-    which are not followed; ``free`` (N,) may be taken by the tracks that are ``sought``."""
+    """A frame to track into.
+
+    ``fixed``: known points by label; ``aside``: known points by label of companions that are not
+    tracked; ``free`` (N,): mask of points available to the tracks ``sought``.
+    """
 
     view: View
     rules: FrameRules
@@ -28,8 +31,11 @@ class FrameTask:
 
 @dataclass(frozen=True, eq=False)
 class FrameAssociations:
-    """``associations`` of tracks in a frame; label → confidence at most in ``caps``, and moving
-    points (M,) among which a large track that is not found may be ``hidden``."""
+    """``associations`` of tracks in a frame.
+
+    ``caps``: maximum confidence by label; ``hidden``: moving points (M,), by label, among which a
+    large track that was not found may be.
+    """
 
     associations: Associations
     caps: Mapping[int, float]
@@ -38,8 +44,11 @@ class FrameAssociations:
 
 @dataclass(frozen=True, eq=False)
 class FrameClaims:
-    """Points that tracks are given, ``labelled``, and those of large ones that have ``emerged``
-    from hiding, so changed that they are learnt anew; by label."""
+    """Points of tracks by label.
+
+    ``labelled``: assigned points; ``emerged``: points of large tracks that reappeared too changed
+    to be registered, and are learnt from scratch.
+    """
 
     labelled: Mapping[int, LabelledPoints]
     emerged: Mapping[int, I64]
@@ -47,7 +56,7 @@ class FrameClaims:
 
 @dataclass(frozen=True, eq=False)
 class FrameOutcomes:
-    """Outcome of the tracks that were ``settled``, and points of those ``emerged``."""
+    """Outcomes of ``settled`` tracks, and points of ``emerged`` ones, by label."""
 
     settled: Mapping[int, Outcome]
     emerged: Mapping[int, I64]

@@ -1,4 +1,4 @@
-"""Outcome of a track in a frame: seen or occluded, its confidence, and what it learns."""
+"""Outcome of a track in a frame: its state, confidence and learnt points."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from pointbrush.tracking.steps.verdict import Verdict, judge
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """The ``state`` of a track in a frame, and its ``points`` (M,) there, sorted."""
+    """The ``state`` of a track in a frame, and its sorted ``points`` (M,)."""
 
     state: TrackState
     points: I64
 
 
 def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
-    """Gather the features of a registration for the confidence; ``points`` (M,) are assigned."""
+    """Return the features of a registration for the confidence; ``points`` (M,) are assigned."""
     view, fit, given = observation.view, observation.fit, observation.given
     found, verdict = given.claim, observation.verdict
     m = max(len(found.indices), 1)
@@ -68,10 +68,10 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
 def _beside(
     track: Track, view: View, fit: Registration, points: I64, others: I64
 ) -> tuple[int, int]:
-    """Count the moving points around an object's ``points`` (M,): those of no track, and those of
-    others.
+    """Return the numbers of moving points around an object's ``points`` (M,).
 
-    ``others`` (O,) some track has.  Asked of lidars alone.
+    The first is of unassigned points, the second of points ``others`` (O,) of any track.  Both are
+    0 except in lidar scans.
     """
     if not (track.scanned and len(points)):
         return 0, 0
@@ -87,7 +87,7 @@ def _beside(
 
 
 def _height(track: Track, view: View, fit: Registration, points: I64) -> float:
-    """Height of an object's ``points`` (M,) over its model's; asked of lidars alone."""
+    """Return the height of an object's ``points`` (M,) over its model's, for lidar scans."""
     if not (track.scanned and len(points)):
         return 1.0
     height = float(np.ptp(fit.world[:, view.up]))
@@ -123,7 +123,7 @@ def settle(
     _move(track, found, verdict)
     if fit.cost < options.motion_cost:
         note_strain(track, observation)
-    # What bends fits badly as a whole, and well where it was bent.
+    # A bending object fits poorly as a rigid model, and well after deformation.
     followed = (
         track.soft and fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
@@ -137,7 +137,7 @@ def settle(
 
 
 def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOptions) -> TrackState:
-    """An object was not seen in a frame, though it was looked for at a ``pose`` (4, 4)."""
+    """Update an object not seen in a frame at ``pose`` (4, 4); return its state."""
     track.frames_unseen += 1
     track.motion = track.motion.unseen()
     lost = track.frames_unseen > track.options.update.lost_frames
@@ -151,7 +151,7 @@ def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOption
 def _trust(
     track: Track, observation: Observation, features: Evidence, strays: bool, cap: float
 ) -> None:
-    """Trust an object as far as this fit and the frames before allow, and at most as ``cap``."""
+    """Update the confidence from this fit and earlier frames, with a maximum of ``cap``."""
     options, isolated = track.options, observation.given.isolated
     here = likelihood(features, track.body, options=options.confidence)
     if isolated and observation.fit.cost < options.update.teach_cost:
@@ -168,10 +168,10 @@ def _trust(
 
 
 def _strays(track: Track, view: View, found: Association) -> bool:
-    """Whether what is in doubt, and has no colours to be known by, is found where no motion led.
+    """Return whether a doubtful object without distinctive colours is far from its predictions.
 
-    What bends has no shape that would tell it from an arm.  What rested, or was among people,
-    and is found elsewhere when it is hidden may be something that looks like it.
+    A bending object has no shape to distinguish it from an arm.  An object that was at rest or
+    among people, and is found elsewhere while occluded, may be a similar object.
     """
     if found.restarts_motion and (view.people or track.motion.rested is not None):
         return True
@@ -187,8 +187,8 @@ def _strays(track: Track, view: View, found: Association) -> bool:
 
 
 def _move(track: Track, found: Association, verdict: Verdict) -> None:
-    """Let the motion of an object take in where it was found."""
-    # What was found so in the frame before too has moved from there to here.
+    """Update the motion of an object with its found pose."""
+    # If the last frame restarted the motion as well, the object moved between both.
     options, fit = track.options.update, found.registration
     scrap = (
         track.large and track.last.points < options.scrap_share * track.size and not track.scanned
@@ -204,9 +204,9 @@ def _move(track: Track, found: Association, verdict: Verdict) -> None:
 
 
 def well_seen(track: Track, verdict: Verdict, count: int) -> bool:
-    """Whether a small object with ``count`` points is seen well enough to tell whether it rests.
+    """Return whether a small object with ``count`` points is clear enough to decide if it rests.
 
-    What has turned or gone farther away shows fewer points, but in sight it tells that it moves.
+    An object that turned or moved away has fewer points, but its motion is certain if visible.
     """
     options = track.options
     if track.motion.rests(track.unit):
@@ -219,7 +219,7 @@ def well_seen(track: Track, verdict: Verdict, count: int) -> bool:
 
 
 def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool:
-    """Whether the object was found; one that was hidden must show itself clearly."""
+    """Return whether the object was found; an occluded one must reappear clearly."""
     options = track.options.update
     clear = fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     if view.lens is None and np.array_equal(fit.pose, track.motion.poses[-1]):
@@ -230,10 +230,10 @@ def _seen(track: Track, view: View, fit: Registration, verdict: Verdict) -> bool
 def hides(
     track: Track, view: View, fit: Registration, given: LabelledPoints, inliers: float
 ) -> bool:
-    """Whether what was found hides a small object, and is not the object: it fits badly, and has
-    hardly the colours that were painted, nor those of the known surface, another side's too.
+    """Return whether the found points occlude a small object instead of being the object.
 
-    What is alone in the air hides nothing.
+    They fit poorly and have few colours of the painted object or its known surface.  Points of a
+    component alone in the air are excluded.
     """
     options = track.options
     if track.carrier is not None and _worn(track, view.colour(given.claim.indices)):
@@ -252,7 +252,7 @@ def hides(
 
 
 def _worn(track: Track, colour: F32) -> bool:
-    """Test whether few of the colours (M, 3) are clearly a carried object's, not clothes'."""
+    """Return whether too few of the colours (M, 3) are a carried object's instead of clothes'."""
     options = track.options.body
     over = track.over_clothes(colour)
     clear = np.count_nonzero(over > options.distinct_log)
@@ -260,8 +260,11 @@ def _worn(track: Track, colour: F32) -> bool:
 
 
 def _lesson(track: Track, observation: Observation) -> LabelledPoints:
-    """Select the points for the model to learn: no new ones explained by an unlabelled mover, or of
-    colours that the object has not shown, since it may be held where it bends."""
+    """Return the points for the model to learn.
+
+    New points explained by an unlabelled mover, or of new colours, are excluded: an object may be
+    held where it bends.
+    """
     view, fit, given = observation.view, observation.fit, observation.given
     if given.isolated or track.large:
         return given

@@ -1,9 +1,9 @@
-"""Fixed-lag smoothing: what was in doubt is looked at once more from where it is sure again.
+"""Fixed-lag smoothing of uncertain frames by tracking backward from a later confident frame.
 
-A frame that leaves a small object in doubt is held back for a few frames.  Once the object is found
-surely, it is followed backward from there with the model that was learnt by then, and each frame
-keeps the surer of both.  Source: two-filter smoothing, Fraser and Potter 1969, "The optimum linear
-smoother as a combination of two optimum linear filters"; here each frame has one of the two.
+A frame with an uncertain small object is held back for a few frames.  After a confident detection
+the object is tracked backward from there with the updated model, and each frame keeps the result
+with the higher confidence.  Source: two-filter smoothing, Fraser and Potter 1969, "The optimum
+linear smoother as a combination of two optimum linear filters"; here each frame has one of the two.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from pointbrush.tracking.steps.settle import Outcome, settle
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """The ``result`` of a frame that is not given away yet.
+    """The held-back ``result`` of a frame.
 
-    ``free`` (N,) points that the run may take there; ``confidence_caps`` label → confidence at
-    most, where it may have changed places; ``done`` labels that were looked at once more.
+    ``free`` (N,): mask of points that the run may take; ``confidence_caps``: maximum confidence, by
+    label, of objects that may have been exchanged; ``done``: labels already smoothed.
     """
 
     view: View
@@ -42,20 +42,20 @@ class Held:
     done: frozenset[int] = frozenset()
 
     def sure(self, label: int) -> bool:
-        """Whether an object was found surely."""
+        """Return whether an object was found with confidence."""
         return _confidence(self.result.tracks.get(label)) >= self.view.options.smoothing.sure
 
     def open(self, label: int) -> bool:
-        """Whether an object is in doubt that was not looked at once more."""
+        """Return whether an object is uncertain and not smoothed yet."""
         return label in self.result.tracks and label not in self.done and not self.sure(label)
 
     def improve(self, label: int, state: TrackState, points: I64) -> Held:
-        """The same, with another state of an object, and its points (M,), where they are surer."""
+        """Return a copy with the state and points (M,) of an object replaced, if more confident."""
         done, result = self.done | {label}, self.result
         if _confidence(state) <= _confidence(result.tracks.get(label)):
             return replace(self, done=done)
         before = result.assignments.get(label, points[:0])
-        points = together(points, before[~self.free[before]])  # what a person has painted of it
+        points = together(points, before[~self.free[before]])  # painted points stay
         result = replace(
             result,
             assignments={**result.assignments, label: points},
@@ -65,7 +65,7 @@ class Held:
 
 
 class Smoother:
-    """The last frames of a run, from the first on in which something small is in doubt."""
+    """Last frames of a run, starting with the first one with an uncertain small object."""
 
     def __init__(self, asked: TrackOptions, options: SmoothingOptions) -> None:
         self._held: list[Held] = []
@@ -74,7 +74,7 @@ class Smoother:
     def take(
         self, new: Held, tracks: Mapping[int, Track], background: Background
     ) -> Iterator[FrameResult]:
-        """Take in the next frame, and give the results that stay as they are."""
+        """Add the next frame, and yield the final results."""
         small = {n: track for n, track in tracks.items() if _stiff(track)}
         for label, track in small.items():
             if new.sure(label) and any(held.open(label) for held in self._held):
@@ -93,7 +93,7 @@ class Smoother:
         self._held = []
 
     def _go_back(self, track: Track, new: Held, background: Background) -> None:
-        """Follow a copy of an object from a ``new`` frame back through all that is in doubt."""
+        """Track a copy of an object backward from a ``new`` frame through its uncertain frames."""
         label = track.label
         again = replace(
             track,
@@ -121,7 +121,7 @@ def _found_again(
     confidence_cap: float,
     asked: TrackOptions,
 ) -> Outcome:
-    """Find an object among what the others left in an earlier frame, and learn from it.
+    """Find an object in the unassigned points of an earlier frame, and update it.
 
     ``astray``: see ``find_astray``.
     """
@@ -146,7 +146,7 @@ def _found_again(
 
 
 def _stiff(track: Track) -> bool:
-    """Whether what was learnt of a small object's shape later held before, too."""
+    """Return whether an object is small and stiff, so that its later model is valid earlier."""
     return track.hand_sized and track.stiff
 
 

@@ -1,4 +1,4 @@
-"""Update of a track: begun or corrected from painted points, taught by each frame."""
+"""Update of a track: start or correction from painted points, and learning in each frame."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from pointbrush.tracking.steps.verdict import Verdict
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """A track registered (``fit``) in a ``view``, with the points that it was given.
+    """A track registered (``fit``) in a ``view``, with its points ``given``.
 
-    ``verdict`` tells how well that explains what the sensor saw.
+    ``verdict``: agreement of the fit with the sensor's measurements.
     """
 
     view: View
@@ -38,11 +38,11 @@ class Observation:
 
 
 def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View) -> F64:
-    """(M, 3) where an object is known to be, even if it claimed nothing there."""
+    """Return (M, 3) positions of objects to exclude from the background, claimed or not."""
     slow = {n: t for n, t in tracks.items() if t.motion.slow(t.unit)}
     there = [fits[n].world for n in fits if n in view.labels and n in slow]
     if view.lens is None:
-        # What is hidden cannot be told from what is gone: it may be where it was.
+        # Occluded and absent objects are indistinguishable: an object may be at its last place.
         hidden = [t for n, t in slow.items() if n not in view.labels and not t.lost]
         there += [transform(t.motion.poses[-1], t.model.xyz) for t in hidden]
     else:
@@ -51,7 +51,7 @@ def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view
 
 
 def _hidden_at_rest(track: Track, view: View) -> F64:
-    """(M, 3) where an object that rested may be behind what is seen: it is not seen past there."""
+    """Return (M, 3) resting positions of an object, without seen-through ones."""
     if track.motion.rested is None:
         return np.empty((0, 3))
     world = transform(track.motion.rested, track.model.xyz)
@@ -59,7 +59,7 @@ def _hidden_at_rest(track: Track, view: View) -> F64:
 
 
 def learn(track: Track, observation: Observation) -> None:
-    """Take in the points found: a rigid model gathers them, one that bends is made anew."""
+    """Update the model with the found points: extend a rigid model, rebuild a bending one."""
     found, grown = observation.given.claim, observation.given.grown
     if observation.verdict.confidence > track.options.update.size_matched_share:
         track.size = max(track.size, float(len(found.indices) + len(grown)))
@@ -72,13 +72,13 @@ def learn(track: Track, observation: Observation) -> None:
 
 
 def _make_anew(track: Track, observation: Observation) -> None:
-    """Replace a model that bends by what was found, and what of the old one was not in sight."""
+    """Rebuild a bending model from the found points and the hidden part of the old model."""
     options = track.options
     view, fit, points = observation.view, observation.fit, observation.given.points
     back = inverse(fit.pose)
     xyz = transform(back, view.xyz[points].astype(np.float64))
     unseen = observation.verdict.hidden
-    if track.scanned:  # what hides it from a lidar is known too coarsely
+    if track.scanned:  # occlusions in lidar scans are known too coarsely
         unseen = unseen | ~close_to(
             fit.world, view.xyz[points], options.verdict.surface_units * track.unit
         )
@@ -101,32 +101,33 @@ def _make_anew(track: Track, observation: Observation) -> None:
 
 
 def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
-    """Let a rigid model take in what was found on it and beside it, and drop what was not there."""
+    """Add found points on and beside a rigid model to it, and drop points seen through."""
     view, fit, given = observation.view, observation.fit, observation.given
     back = inverse(fit.pose)
     number = track.model.miss(observation.verdict.through)
-    if not was_rigid:  # the claim was made by the model as it was bent
+    if not was_rigid:  # the claim refers to the deformed model
         number[:] = -1
     again = _claimed_again(track, observation, number)
     if not given.isolated:
         again = again.pick(again.cost < 2 * track.reach)
-    if not track.painted.flat:  # Ground beside what is known is no new surface.
+    if not track.painted.flat:  # Ground beside known surface is no new surface.
         again = again.pick(
             ~view.low[again.indices]
             | (again.gap < track.options.surface.new_spacings * track.model.spacing)
         )
     xyz = transform(back, view.xyz[again.indices].astype(np.float64))
     colour = view.colour(again.indices)
-    # No one holds what a lidar on the move sees ever new sides of.
+    # Objects scanned by a moving lidar show new sides and are not held.
     sure = track.distinct(colour) | (given.isolated or view.roams)
     own_eye = _eye_of(back, view)
     track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
 
 
 def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim:
-    """Claim the object's points by the updated model: as before, unless the model point has gone.
+    """Return the claim of the updated model on the object's points.
 
-    ``number`` (M,) new number of each model point, -1 for those that have gone.
+    Points keep their model point unless it was removed.  ``number`` (M,): new number of each model
+    point, -1 for removed ones.
     """
     options = track.options.update
     view, fit, given = observation.view, observation.fit, observation.given
@@ -150,12 +151,12 @@ def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim
 
 
 def _eye_of(back: F64, view: View) -> F64 | None:
-    """(3,) the sensor in the model's coordinates, None where its place is not known."""
+    """Return the sensor position (3,) in the model's coordinates; None: unknown."""
     return None if view.eye is None else transform(back, view.eye[None])[0]
 
 
 def note_looseness(track: Track, observation: Observation) -> None:
-    """Take note of how much of what was found a rigid model does not explain."""
+    """Update the share of found points that a rigid model does not explain."""
     options = track.options.strain
     given, verdict = observation.given, observation.verdict
     found, grown = given.claim, given.grown
@@ -164,7 +165,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
     loose = (unlike + np.count_nonzero(found.gap > options.unexplained_units * track.unit)) / max(
         total, 1
     )
-    # What is mostly hidden says little about the rest of it.
+    # A mostly occluded object has little evidence about the rest of it.
     says = options.share_rate * (verdict.visible if track.hand_sized else 1.0)
     share = track.bending.share
     share += says * (max(loose, 1 - verdict.inliers) - share)
@@ -172,7 +173,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
 
 
 def note_strain(track: Track, observation: Observation) -> None:
-    """Take note of how much of a small object bending alone explains."""
+    """Update the share of a small object that only bending explains."""
     options = track.options
     if track.stiff and _asked(track, observation):
         most = (
@@ -187,7 +188,7 @@ def note_strain(track: Track, observation: Observation) -> None:
 
 
 def strained(track: Track, observation: Observation) -> float:
-    """Share of the known surface that is not where one motion puts it, but where bending does."""
+    """Return the share of the known surface that bending explains and a rigid motion does not."""
     options = track.options
     model, view, fit = track.model, observation.view, observation.fit
     facing = model.facing(fit.pose[None], view.eye)[0]
@@ -211,9 +212,9 @@ def strained(track: Track, observation: Observation) -> float:
 
 
 def _asked(track: Track, observation: Observation) -> bool:
-    """Whether it is looked in this frame if an object bends: seldom while nothing speaks for it.
+    """Return whether to test in this frame if an object bends: seldom without evidence.
 
-    What is seen by very many points fits well while it is stiff.
+    A dense object fits well as long as it is stiff.
     """
     options = track.options
     speaks = track.bending.strain > options.strain.hint_share * options.track.soft_strain
@@ -224,11 +225,10 @@ def _asked(track: Track, observation: Observation) -> bool:
 
 
 def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
-    """Mark the object's points (M, 3) beside the outline of another surface ``step`` metres before
-    it.
+    """Mark the object's points (M, 3) beside the outline of a surface ``step`` metres nearer.
 
-    The rim of what is behind an outline is hardly measured, and bending seems to draw it in.
-    ``own`` (N,): the points of the frame that are the object's, which do not hide it.
+    Surface behind an outline is measured poorly at the rim, which would look like bending.  ``own``
+    (N,): the object's points in the frame, which do not occlude it.
     """
     options = view.options.strain
     if view.lens is None:
@@ -250,9 +250,9 @@ def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
 def begin_label(
     tracks: dict[int, Track], view: View, label: int, points: I64, noise: float
 ) -> None:
-    """Put what the ``points`` (M,) of a frame show among the objects, its model in the world.
+    """Start a track from the ``points`` (M,) of a frame, with its model in the world.
 
-    ``noise`` metres of the depth there.
+    ``noise``: depth noise there (m).
     """
     track = begin(view, label, points, noise, OtherMovers.none())
     track.painted = replace(
@@ -265,7 +265,7 @@ def begin_label(
 
 
 def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, noise: float) -> F64:
-    """Learn an object from ``points`` (M,) alone; its pose (4, 4), which goes on where it was."""
+    """Restart an object from ``points`` (M,); return its pose (4, 4), continuing the last one."""
     before = tracks[label]
     pose = before.motion.poses[-1]
     shift = np.eye(4)
@@ -282,7 +282,7 @@ def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, no
 
 
 def corrected(track: Track, view: View, points: I64) -> F64 | None:
-    """Learn from ``points`` (M,) that a person painted; the pose (4, 4), None where none fits."""
+    """Update a track from painted ``points`` (M,); return the pose (4, 4), None: none fits."""
     options = track.options
     if not track.rigid or track.frames_unseen or len(points) < options.update.correction_min_points:
         return None
@@ -307,7 +307,7 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
 
 
 def _denied(track: Track, view: View, fit: Registration, points: I64) -> Mask:
-    """Mark the model points that the sensor saw and the person did not paint: a hand's, say."""
+    """Mark the model points that are visible but not painted, such as points of a hand."""
     options = track.options.verdict
     painted = close_to(fit.world, view.xyz[points], options.surface_units * track.unit)
     denied = ~painted & track.model.facing(fit.pose[None], view.eye)[0]

@@ -1,4 +1,4 @@
-"""Evidence of a registered pose: residuals, occlusion, and whether the track is there."""
+"""Evidence of a registered pose: residuals, occlusion, and presence of the track."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from pointbrush.tracking.steps.claim import Claim
 class Look(NamedTuple):
     """Sample points (M,) of the model at each of K poses.
 
-    ``world`` (K, M, 3); ``seen`` (K, M) those that face the sensor with nothing before them;
-    ``through`` (K, M) those where the sensor saw something behind them; ``facing`` (K,) share that
-    faces the sensor.
+    ``world`` (K, M, 3): positions; ``seen`` (K, M): mask of visible points, which face the sensor
+    and are not occluded; ``through`` (K, M): mask of seen-through points, with a measurement behind
+    them; ``facing`` (K,): share that faces the sensor.
     """
 
     world: F64
@@ -35,8 +35,8 @@ class Look(NamedTuple):
 def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
     """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
 
-    ``own``: directions of ``View.shade`` in which what was measured may be the object itself,
-    which does not hide it.
+    ``own``: directions of ``View.shade`` in which measurements may be the object itself and do not
+    occlude it.
     """
     options = track.options
     world = transform_each(poses, track.model.xyz[sample])
@@ -63,9 +63,9 @@ def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = No
 
 
 def costs_of(track: Track, target: Target, sample: I64, at: Look, scale: float) -> F64:
-    """(K,) 0..1: mean squared distance, in place and colour, of what should be seen at each pose.
+    """Return (K,) the mean squared distance, 0 to 1, of visible points in position and colour.
 
-    A side that was never seen must at least not stand before what was measured.
+    Seen-through points of other sides count with the maximum distance.
     """
     options = track.options.register
     colour = track.model.colour[sample]
@@ -84,8 +84,10 @@ def _held_against(
     by: float,
     nearest_m: float,
 ) -> tuple[Mask, Mask]:
-    """Mark the ``facing`` points (K, M, 3) in the picture that nothing hides, and all points that
-    were looked through: by ``by`` metres more or less than the depth ``image``.
+    """Mark the visible ones of the ``facing`` points (K, M, 3), and all seen-through points.
+
+    Points in the picture are occluded or seen through if the depth ``image`` differs by more than
+    ``by`` metres.
     """
     seen, through = np.zeros(facing.shape, np.bool_), np.zeros(facing.shape, np.bool_)
     for k in range(len(world)):
@@ -100,9 +102,9 @@ def _held_against(
 
 @compiled
 def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, F64]:
-    """Sum of squares of the distances from what is ``seen``, in ``most`` metres, and how many.
+    """Return sums of squared distances of visible points, in ``most`` metres, and their numbers.
 
-    What is not to be seen, but was looked through, is as far off as it can be.
+    Other points that were seen through count with the maximum distance.
     """
     world, seen, through, _ = at
     total, count, room = np.zeros(len(world)), np.zeros(len(world)), spans(grid)
@@ -112,7 +114,7 @@ def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, 
             if seen[k, i]:
                 point = (world[k, i, 0], world[k, i, 1], world[k, i, 2])
                 tint = toned(grid, colour, i)
-                # What was the nearest at the pose before is so again, or nearly.
+                # The nearest point at the last pose bounds the search.
                 square, near = nearest_one(grid, point, tint, most, room, last[i])
                 last[i] = near
                 total[k] += square / (most * most) if near >= 0 else 1.0
@@ -125,10 +127,11 @@ def _distances(at: Look, colour: F32, grid: Columns, most: float) -> tuple[F64, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Verdict:
-    """``found``: there is something; ``inliers`` share of the visible model that was matched.
+    """Agreement of a registered model with a frame.
 
-    ``hidden`` and ``through`` (M,): model points behind something else, and in front of what
-    was measured; ``visible`` share of the facing model that nothing hides.
+    ``found``: whether the object is present; ``inliers``: matched share of the visible model;
+    ``hidden`` and ``through`` (M,): masks of occluded and of seen-through model points;
+    ``visible``: share of the facing model that is not occluded.
     """
 
     found: bool
@@ -142,9 +145,9 @@ class Verdict:
 def judge(
     track: Track, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
 ) -> Verdict:
-    """Compare the model at ``pose`` (4, 4), its points at ``world`` (M, 3), with what it claims.
+    """Compare the model at ``pose`` (4, 4), its points at ``world`` (M, 3), with its claim.
 
-    Nothing is found where one of them is None.
+    The object is not found if one of them is None.
     """
     options = track.options.verdict
     n = len(track.model.xyz)
@@ -172,7 +175,7 @@ def judge(
     inliers = float(matched[expected].mean()) if expected.any() else 0.0
     visible = float(expected.sum() / max(1, facing.sum()))
     enough = len(found.indices) >= max(options.min_points, options.min_size_share * track.size)
-    # What hides it from a lidar is known too coarsely to tell all that should be seen.
+    # Occlusions in lidar scans are too coarse to predict all visible points.
     much = track.scanned and len(found.indices) > options.remaining_share * track.last.points
     good = enough and (inliers > options.present_share or much)
     confidence = float(np.clip(inliers * min(1.0, options.min_trust_share + visible), 0, 1))
