@@ -59,7 +59,7 @@ from pointbrush.tracking.options.tracks import (
 
 @dataclass(frozen=True, slots=True)
 class TrackerOptions(Options):
-    """All options of `auto`; an experiment is another value of this type."""
+    """All options of `auto`; experiments use other values of this type."""
 
     companions: CompanionOptions = field(default_factory=CompanionOptions)
     jumps: JumpOptions = field(default_factory=JumpOptions)

@@ -1,4 +1,4 @@
-"""The base of all options: frozen values that are checked when they are made."""
+"""Base class of all options: frozen values, validated at construction."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from pointbrush.errors import BadInputError
 
 PositiveInt = int
 PositiveFloat = float
-"""Types of fields that something is divided by: above zero."""
+"""Types of fields used as divisors: above zero."""
 
 
 class Options:
-    """Numbers of one step, each with its unit in its name or comment."""
+    """Numbers of a step, each with its unit in its name or comment."""
 
     __slots__ = ()
     signed: ClassVar[frozenset[str]] = frozenset()
-    """Fields that may be below zero; all of them where they are ``all_signed``."""
+    """Fields that may be below zero; all fields if ``all_signed``."""
     all_signed: ClassVar[bool] = False
     above_one: ClassVar[frozenset[str]] = frozenset()
-    """Shares of something that may be more than all of it."""
+    """Shares that may exceed 1."""
 
     def __post_init__(self) -> None:
         """Check the values; raises BadInputError."""
         self.check()
 
     def check(self) -> None:
-        """Raise BadInputError for the first field whose value cannot be, and say what can."""
+        """Raise BadInputError for the first invalid field, with its valid values."""
         for each in fields(self):  # type: ignore[arg-type]
             value = getattr(self, each.name)
             if isinstance(value, Options):
@@ -67,13 +67,13 @@ class Options:
 
 
 class Weights(Options):
-    """Log odds that features of the same names add, each times its value."""
+    """Weights of features of the same names: log odds per unit of the feature."""
 
     __slots__ = ()
     all_signed: ClassVar[bool] = True
 
     def odds(self, features: Mapping[str, float]) -> float:
-        """Log odds of the named ``features``; those without a weight add nothing."""
+        """Return the log odds of the named ``features``; features without a weight are ignored."""
         names = [each.name for each in fields(self)]  # type: ignore[arg-type]
         weights = np.array([getattr(self, name) for name in names], np.float64)
         return float(weights @ np.array([features[name] for name in names], np.float64))

@@ -65,12 +65,12 @@ class ConfidenceOptions(Options):
     many_points: PositiveInt = 300  # points from which a fit before a pixel grid is told apart well
     few_weight: float = 3.75  # weight of the log share of them that there are
     pointlike_ratio: float = 1.0  # units over radius from which an object is one place
-    bent_change_weight: float = 5.25  # weight of a changed size of what bends
+    bent_change_weight: float = 5.25  # weight of a changed size of a bending object
     # Usual cost from which a track's cost counts as a multiple of it.
     usual_cost: PositiveFloat = 1.2
     max_log_size: float = 2.0  # greatest log ratio of size and height
     max_log_change: float = 1.0  # greatest log ratio of a sudden change of size
-    max_log_left: float = 4.0  # greatest log ratio of what is left beside it over its own
+    max_log_left: float = 4.0  # greatest log ratio of points left beside it to its own
     max_log_coarse: float = 6.0  # greatest log of how coarsely it is seen
     min_log_clothes: float = -3.0  # least mean log ratio of clothes
     regain: float = 0.15  # confidence that a frame can give back

@@ -1,4 +1,4 @@
-"""Options of people, who are followed together."""
+"""Options of the joint tracking of people."""
 
 from __future__ import annotations
 
@@ -9,80 +9,80 @@ from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 @dataclass(frozen=True, slots=True)
 class BodyOptions(Options):
-    """Bodies before a known scene: cells, parts, people followed together."""
+    """Bodies in front of a known scene: cells, components, people tracked jointly."""
 
     cell_units: PositiveFloat = 3.0  # size of a cell in units
     cell_radius_share: float = 0.045  # share of the figure's radius that a cell is at least
-    disputed_share: float = 0.3  # share of the smaller claim from which two tracks want one body
+    disputed_share: float = 0.3  # share of the smaller claim from which two tracks dispute a body
     distinct_log: float = 1.4  # log ratio from which a colour is one track's alone
-    # Share of a carried object's colours that are clearly not those of clothes at least.
+    # Minimum share of a carried object's colours that are clearly not colours of clothes.
     carried_share: float = 0.15
-    # Share of its bearer's points from which one that is not found may be among them.
+    # Share of its carrier's points from which a missing object may be among them.
     carried_size_share: float = 0.5
-    # Cells from the resting scene within which unlabelled points are of it.
+    # Cells from the static scene within which unlabelled points belong to it.
     scene_cells: float = 1.5
-    # Radii from where a person is expected within which clothes are looked for, and as many more
-    # for each frame unseen.
+    # Radii around a person's expected position in which clothes are searched for, plus the same for
+    # each frame unseen.
     clothes_radii: float = 0.2
-    sampled_points: PositiveInt = 4000  # moving points of which it is told what they touch
+    sampled_points: PositiveInt = 4000  # sampled moving points for tests of contact
     touching_cells: float = 1.7  # distance of cells that touch, in cells
     thin_share: float = 0.15  # share of the usual number of points under which a cell leads nowhere
-    # Share of the longest way within which what lies apart is a figure's.
+    # Share of the longest path within which a separate part is a figure's.
     bridge_share: float = 0.25
-    clothed_cells: int = 12  # cells from which a part shows whose clothes it wears
-    # Mean log ratio by which colours are clearly another's: of a part, of a person's cells, of who
-    # were exchanged.
+    clothed_cells: int = 12  # cells from which the clothes of a part are identified
+    # Mean log ratio by which colours are clearly another's: of a part, of a person's cells, of
+    # exchanged people.
     clearly_log: float = 0.7
     # Share of the points of a cell, of a part, or of the claims on a body, that decide.
     majority_share: float = 0.5
     # Share of a part's cells that have the colours of the figure beside it.
     alike_cells_share: float = 0.6
     min_claim_share: float = 0.03  # share of a body that its owner has to have claimed
-    min_part_cells: int = 4  # cells of a part that lies apart
-    way_radii: PositiveFloat = 0.6  # share of the figure's radius at which a way ends
+    min_part_cells: int = 4  # cells of a separate part
+    way_radii: PositiveFloat = 0.6  # share of the figure's radius at which a path ends
     cell_sigmas: float = 4.5  # deviations of the depth noise that a cell has at least
     limb_share: float = 0.1  # share of a person's radius that is a limb: the largest cell
     forgotten_frames: int = 5  # frames unseen after which an unlabelled person is forgotten
-    crowded_ratio: float = 1.3  # times as many cells as people have that are too many for one
+    crowded_ratio: float = 1.3  # ratio to a person's usual cells that is too many for one person
     # Metres by which a person is spread along the ground, a standard deviation.
     spread_m: float = 0.2
-    # Metres under which a person is as expected, and beyond which no other's.
+    # Metres below which a position is as expected, and beyond which it is no other person's.
     nearest_m: tuple[PositiveFloat, PositiveFloat] = (0.1, 1.0)
-    sure_likelihood: float = 0.75  # likelihood from which a frame tells stature and clothes
-    better_ratio: float = 1.5  # times as much of a person that tells their clothes anew
-    touching_share: float = 0.02  # share of that which touches others at most
-    doubted_confidence: float = 0.4  # confidence of what may be another's at most
+    sure_likelihood: float = 0.75  # likelihood from which a frame updates stature and clothes
+    better_ratio: float = 1.5  # ratio of visible surface from which clothes are updated
+    touching_share: float = 0.02  # maximum share of it that touches other people
+    doubted_confidence: float = 0.4  # maximum confidence of a person who may be another
     head_m: float = 0.2  # metres by which a head is above the highest touch with another
-    heads_apart_m: float = 0.25  # metres along the ground between two people at least
-    head_lower_m: float = 0.6  # metres by which one's head is lower at most
-    # Without people together: boxes -.010, a crowd -.028.
-    limb_m: float = 0.1  # metres between points of one person at most: limbs are no thicker
-    # Change of colour at which cells agree a third as much, and a way is twice as long.
+    heads_apart_m: float = 0.25  # minimum metres along the ground between two people
+    head_lower_m: float = 0.6  # maximum metres between the heights of two heads
+    # Without joint tracking of people: boxes -.010, a crowd -.028.
+    limb_m: float = 0.1  # maximum metres between points of a person: the thickness of limbs
+    # Change of colour at which the agreement of cells is a third, and a path twice as long.
     colour_change: PositiveFloat = 0.08
-    colour_points: PositiveInt = 400  # points whose colours are compared
-    # Metres by which something nearer hides a place, and by which what shows above a top is behind.
+    colour_points: PositiveInt = 400  # sampled points for comparisons of colour
+    # Metres by which a nearer surface occludes a place, and by which surface above a top is behind.
     before_m: float = 0.15
     seen_min_cells: int = 4  # cells under which a person is not seen
     seen_min_share: float = 0.02  # share of their most cells likewise
     scrap_share: float = 0.3  # share of their most under which they may be elsewhere
     # Metres along the ground from the middle within which surface is remembered.
     memory_m: float = 0.6
-    memory_cells: float = 2.0  # cells from what is seen at which hidden surface is remembered
+    memory_cells: float = 2.0  # cells from visible surface at which hidden surface is remembered
     memory_behind_m: float = 0.1  # metres by which it must be hidden
-    # Metres from the middle of what is seen beyond which none is remembered.
+    # Metres from the middle of visible surface beyond which none is remembered.
     memory_seen_m: float = 1.3
     newest_step_weight: float = 0.7  # weight of the newest step in the expected one
-    hidden_step_share: float = 0.7  # share of a step by which a hidden person goes on
-    unlike_log: float = 1.5  # mean log ratio of clothes by which something is not theirs
+    hidden_step_share: float = 0.7  # share of the last step that a hidden person moves by
+    unlike_log: float = 1.5  # mean log ratio of clothes by which surface is not theirs
     most_decay: float = 0.98  # share of the most cells that counts a frame later
-    gone_m: float = 0.45  # metres of way with which all of a person has moved
-    gone_frames: int = 2  # frames of that way at least
+    gone_m: float = 0.45  # metres of motion after which all of a person has moved
+    gone_frames: int = 2  # minimum frames of that motion
     way_frames: int = 60  # frames for which places are remembered
 
 
 @dataclass(frozen=True, slots=True)
 class StrideOptions(Options):
-    """Strides of people, and whose each cell is."""
+    """Strides of people, and the assignment of cells."""
 
     stride_m: float = 0.08  # metres by which a stride varies
     stride_share: float = 0.45  # share of the last stride by which it varies
@@ -109,18 +109,18 @@ class StrideOptions(Options):
     clothes_weight: float = 0.35  # weight of clothes
     clothes_rarer_log: float = 0.5  # mean log ratio by which colours are rarer than usual ones
     clothes_max_log: float = 4.0  # greatest log ratio that counts
-    hidden_cost_owner: float = 1.0  # cost of being a person's who was hidden
+    hidden_cost_owner: float = 1.0  # cost of a cell for a person hidden in the last frame
     body_m: float = 0.25  # metres from the middle, along the ground, that hold a body
     body_sigma_m: PositiveFloat = 0.2  # metres of deviation beyond
     body_max_cost: float = 2.0  # cost beyond at most
-    rounds: PositiveInt = 3  # times at most that strides are corrected
+    rounds: PositiveInt = 3  # maximum number of corrections of strides
     settled_m: float = 0.02  # metres up to which one correction is enough
     visible_doubt: float = 0.15  # visible share at which a correction is half believed
     corrected_share: float = 0.03  # share of their cells that a person has to have for a correction
     met_swings: float = 2.5  # swings of limbs within which cells meet a person's surface
     fitting_cap_share: float = 0.8  # share of the cap that fits
-    fitting_cells_share: float = 0.2  # share of its cells that must fit for a body to be anybody's
-    # Probability from which an outline far from everybody is a person's.
+    fitting_cells_share: float = 0.2  # share of its cells that must fit for a body to be a person's
+    # Probability from which an outline far from all people is a person's.
     sure_probability: float = 0.9
     apart_m: float = 0.35  # metres of nothing between a part and the rest of a person
     apart_share: float = 0.5  # share of the rest that such a part has at most
@@ -131,9 +131,9 @@ class StrideOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class ArrivalOptions(Options):
-    """People who come, come back or were exchanged."""
+    """People entering, returning or exchanged with each other."""
 
-    # Without people who have no label: a crowd -.005.
+    # Without unlabelled people: a crowd -.005.
     min_cells: int = 12  # cells from which a body may be a new person
     min_share: float = 0.12  # share of the usual number of cells likewise
     back_min_cells: int = 6  # cells from which a body may be a missing person
@@ -141,54 +141,54 @@ class ArrivalOptions(Options):
     missing_frames: int = 3  # frames missing from which a part of another may be theirs
     part_share: float = 0.2  # share of the usual number of cells that such a part has
     unclaimed_share: float = 0.7  # share of a connected body that must be no track's
-    back_m: PositiveFloat = 0.3  # metres from where a missing person should be
+    back_m: PositiveFloat = 0.3  # metres from a missing person's expected position
     back_m_per_frame: float = 0.2  # metres more for each frame missing
     back_max_frames: int = 10  # frames missing for which that adds up
-    clothes_weight: float = 0.5  # weight of clothes against the way
-    stature_weight: float = 0.25  # weight of stature against the way
-    unlabelled_cost: float = 0.5  # cost of a body that was followed without a label
+    clothes_weight: float = 0.5  # weight of clothes against the distance
+    stature_weight: float = 0.25  # weight of stature against the distance
+    unlabelled_cost: float = 0.5  # cost of a body that was tracked without a label
     # Log ratio of clothes from which a body is certainly not the other's.
     told_log_clothes: float = 0.3
     # Metres along the ground about a person within which new surface is theirs.
     around_m: float = 0.6
     joined_m: float = 0.3  # metres between unlabelled bodies that come together
-    touches_m: float = 0.1  # metres between a body and who came back
+    touches_m: float = 0.1  # metres between a body and a returned person
     side_px: int = 8  # pixels from the left or right edge of the picture
     side_points: int = 5  # points within them from which a person may have left there
     return_tops: PositiveInt = 3  # measured tops of a newcomer from which they may be recognised
     return_clothes_weight: float = 0.5  # weight of clothes, which light changes, against stature
-    return_log_per_frame: float = 0.05  # log odds that a frame takes: others come meanwhile
-    return_log_odds: float = 1.0  # log odds from which a newcomer is a person who left
+    return_log_per_frame: float = 0.05  # log odds lost per frame, as other people may enter
+    return_log_odds: float = 1.0  # log odds from which a newcomer is a person that left
     recent_frames: int = 3  # frames within which a person has just come
     exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
-    exchange_frames: int = 3  # frames in which that has to be so, one after the other
-    # Mean log ratio by which it may look less like one's clothes than another's.
+    exchange_frames: int = 3  # consecutive frames in which that is required
+    # Mean log ratio by which a body may be less like a person's clothes than another's.
     return_log: float = 0.1
-    # Radii from where a person was expected within which they may come out.
+    # Radii around a person's expected position in which they may reappear.
     return_radii: float = 0.5
     return_radii_per_frame: float = 0.25  # radii more for each frame unseen
     # Share of a hardly visible object that a body must have to be it.
     return_scrap_share: float = 0.25
-    return_edge_cost: float = 0.5  # cost of a body at the end of a figure's reach
+    return_edge_cost: float = 0.5  # cost of a body at the limit of a figure's reach
 
 
 @dataclass(frozen=True, slots=True)
 class StatureOptions(Options):
     """Stature of people, and the vertical."""
 
-    sampled_points: PositiveInt = 50  # points that tell how far away a person is
-    top_share: float = 0.01  # share of a person's most points above what is taken for their top
-    # Metres above their top where only what lies behind may be seen.
+    sampled_points: PositiveInt = 50  # sampled points for a person's distance
+    top_share: float = 0.01  # share of a person's points above their measured top
+    # Metres above their top in which only surface behind them may be visible.
     above_m: tuple[float, float] = (0.12, 0.25)
     sigma_m: PositiveFloat = 0.02  # metres by which a measured top varies
     bent_share: float = 0.1  # share of the frames in which a person bends, sits or lifts an arm
-    bent_range_m: PositiveFloat = 1.0  # metres over which their top is then
+    bent_range_m: PositiveFloat = 1.0  # metres of the range of their top in these frames
     min_tops: int = 2  # measured tops from which a stature is known
-    decisive_log_odds: float = 3.0  # log odds (20 to 1) from which one of two is told
+    decisive_log_odds: float = 3.0  # log odds (20 to 1) that decide between two people
     # Cosine of the picture's downward axis and the vertical, under which it is unknown.
     leaning_cos: float = 0.7
-    level_stride: PositiveInt = 3  # stride of the points that are asked for what is level
-    level_points: int = 300  # points that have to lie on it
+    level_stride: PositiveInt = 3  # stride of the points in the search for level planes
+    level_points: int = 300  # minimum points on a level plane
     level_sigma_m: float = 0.3  # metres of their deviation along its shorter side
     patch_m: PositiveFloat = 0.4  # metres of a patch of surface
     patch_points: int = 20  # points that it has to have

@@ -10,7 +10,7 @@ from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 @dataclass(frozen=True, slots=True)
 class SearchOptions(Options):
-    """Prediction, and what is cut out of a frame around it."""
+    """Prediction, and the part of a frame around it."""
 
     coarse_points: PositiveInt = 120  # model points that a hypothesis is judged by
     fine_points: PositiveInt = 400  # model points of the last iterations
@@ -24,7 +24,7 @@ class SearchOptions(Options):
     # Frames unseen for which both add up, and so do reaches of people's clothes and limbs.
     max_growing_frames: int = 8
     judged_units: float = 4.0  # scale in units that hypotheses are compared by
-    # Radii that a large object goes on until what stayed is no part of it.
+    # Radii that a large object moves until static points are no part of it.
     scenery_radii: float = 0.5
     scenery_frames: int = 2  # frames likewise, at least
     same_pose_units: float = 0.25  # units by which no model point moves between equal hypotheses
@@ -34,7 +34,7 @@ class SearchOptions(Options):
     clearly_nearer_share: float = 0.5
     # With one pose alone: boxes -.093, a street -.003, 3 pins of every second frame +.036.
     remembered_poses: PositiveInt = 4  # poses that are remembered
-    pivot_ridge: float = 0.2  # weight with which the pivot leans on the centre
+    pivot_ridge: float = 0.2  # weight of the regularisation of the pivot to the centre
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +68,12 @@ class ProposalOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class RelocationOptions(Options):
-    """Search in the whole frame for a track that went astray."""
+    """Search in the whole frame for a lost track."""
 
     kept_share: float = 0.85  # share of its claim under which a track is looked for elsewhere
     gain: float = 1.1  # times as much that it must have there
     others_share: float = 0.5  # share of its claim under which a place is another track's
-    # Metres from where it went along with who carries it within which it is looked for.
+    # Metres from its position beside the carrier within which it is searched for.
     arm_m: float = 0.6
     # Radii a frame, beside its speed, by which a hidden body may be elsewhere.
     hidden_radii: float = 0.35
@@ -116,7 +116,7 @@ class RegistrationOptions(Options):
     tries: int = 6  # hypotheses that are fitted beside the predictions
     tries_unknown_motion: int = 18  # hypotheses that are fitted while the motion is unknown
     rest_units: float = 1.0  # units by which a resting object seems to move at most
-    # Units, for a lidar's first scans, along whose rings objects slip.
+    # Units, for a lidar's first scans, because objects slip along the rings.
     rest_units_first_scans: float = 3.0
     rest_units_moving_scanner: float = 1.5  # units, for a lidar on the move
     rest_cost: float = 0.03  # cost by which the resting pose may be worse than the best
@@ -133,8 +133,8 @@ class RegistrationOptions(Options):
     node_units: float = 3.0  # units between nodes at least
     pull_units: float = 4.0  # units within which nodes are pulled to the data
     judged_units: PositiveFloat = 3.0  # scale in units that fits are judged by
-    judged_units_unfitted: PositiveFloat = 6.0  # the same, of hypotheses that nothing was fitted to
-    judged_units_rest: PositiveFloat = 2.0  # the same, of what stays where it was
+    judged_units_unfitted: PositiveFloat = 6.0  # the same, of hypotheses without a registration
+    judged_units_rest: PositiveFloat = 2.0  # the same, of objects at rest
     retry_frames: PositiveInt = 4  # frames between two searches elsewhere that found nothing better
     other_place_radii: float = 0.5  # radii between two hypotheses at different places
     # Cost of a pose far from every prediction, or turned half round against all of them.
@@ -155,7 +155,7 @@ class RegistrationOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class DeformationOptions(Options):
-    """Deformation graph of what bends."""
+    """Deformation graph of bending objects."""
 
     nodes_per_point: PositiveInt = 4  # nearest nodes that move a point
     nodes_around: PositiveInt = 6  # nodes that smooth a node's motion, itself among them
@@ -172,7 +172,7 @@ class DeformationOptions(Options):
 class ClaimOptions(Options):
     """Points that a registered model claims."""
 
-    hiding_units: float = 3.0  # units by which what may hide the surface beside a pixel is nearer
+    hiding_units: float = 3.0  # units by which an occluding surface beside a pixel is nearer
     hiding_px: int = 2  # pixels aside at which it is looked for
     hiding_share: float = 0.05  # share of the points beside it up to which it hides nothing
     reaches: float = 2.2  # reaches of a model, in place, within which it claims points
@@ -196,12 +196,12 @@ class ClaimOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class GrowthOptions(Options):
-    """New surface of what is alone in the air."""
+    """New surface of objects alone in the air."""
 
     above_one: ClassVar[frozenset[str]] = frozenset({"new_size_share", "end_on_ratio"})
 
     step_units: float = 2.5  # units from point to point of connected surface
-    # Without what is whole in the air: 3 pins -.129, boxes -.031.
+    # Without whole objects in the air: 3 pins -.129, boxes -.031.
     max_steps: int = 20  # such steps from known surface to its end at most
     max_steps_unknown: int = 40  # the same, while its length is unknown
     # Frames alone in the air from which its length is known, and times the length of its known part
@@ -224,7 +224,7 @@ class GrowthOptions(Options):
     # Share of new surface that was there unlabelled, where it is cut off.
     was_there_share_cut: float = 0.2
     was_there_share_open: float = 0.7  # the same, where it stands free
-    # Share of new colours that it never showed, of what may be a hand.
+    # Share of colours never seen on it, from which new surface may be a hand.
     strange_colours_share: float = 0.5
     strange_size_share: float = 0.05  # share of its size that such new surface has at least
 
@@ -241,7 +241,7 @@ class ContextOptions(Options):
     beside_radii: float = 0.5  # radii about an object within which unlabelled surface is beside it
     beside_units: float = 4.0  # units likewise
     # Without: 3 pins -.034.
-    max_points: PositiveInt = 1000  # unlabelled points kept of those beside an object
+    max_points: PositiveInt = 1000  # unlabelled points kept beside an object
 
 
 @dataclass(frozen=True, slots=True)
@@ -316,12 +316,12 @@ class UpdateOptions(Options):
     """Update of a track from a frame."""
 
     correction_min_points: int = 20  # painted points from which a pose is found among them
-    correction_max_cost: float = 0.3  # cost up to which a model is what a person painted
+    correction_max_cost: float = 0.3  # cost up to which a model fits the painted points
     correction_explained_share: float = 0.6  # share of the painted points that it has to explain
     # Units from the model within which a point that is surely the object's is new surface:
-    # painted, alone, or before a lidar, where what is left over within them may be its too.
+    # painted, alone, or in lidar scans, where other points within them may be its own too.
     new_surface_units: float = 8.0
-    colour_points: PositiveInt = 1000  # points whose colours are compared with the painted ones
+    colour_points: PositiveInt = 1000  # sampled points for comparisons with painted colours
     teach_units: float = 3.0  # units from the model within which points and new surface teach it
     size_matched_share: float = 0.8  # share of the model found from which its size is learnt
     forgotten_frames: int = 15  # frames out of sight after which bending surface is given up
@@ -332,9 +332,9 @@ class UpdateOptions(Options):
     usual_cost_rate: float = 0.1  # weight of a frame in the usual cost
     scrap_share: float = 0.05  # share of a large object's size that tells no motion
     # Without: boxes -.046.
-    hiding_log_colour: float = 0.6  # mean log ratio by which what hides it is of other colours
+    hiding_log_colour: float = 0.6  # mean log ratio of colours of an occluding object
     well_seen_share: float = 0.5  # share of size and facing surface of a small object well seen
     # Confidence up to which an object found elsewhere may be another.
     astray_confidence: float = 0.45
     astray_radii: float = 0.5  # radii from all predictions from which that is so
-    stayed_share: float = 0.35  # share of inliers that is enough for what is found where it was
+    stayed_share: float = 0.35  # share of inliers that is enough for an object at its last place

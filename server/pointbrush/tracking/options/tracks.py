@@ -1,4 +1,4 @@
-"""Options of a run, of what is known of a track, and of tracks that meet."""
+"""Options of a run, of the state of a track, and of tracks that meet."""
 
 from __future__ import annotations
 
@@ -10,54 +10,54 @@ from pointbrush.tracking.options.base import Options, PositiveFloat, PositiveInt
 
 @dataclass(frozen=True, slots=True)
 class CompanionOptions(Options):
-    """Labels that go along with those that a run is asked for, and how near they are followed."""
+    """Companion labels: number, size, and distance within which they are tracked."""
 
     most: int = 12
-    """Labels that go along, the nearest: a correction among a hundred cars costs no more."""
+    """Maximum number of companions, the nearest ones, to limit the cost among many objects."""
     larger: float = 2.0
-    """Times as large as the largest that is asked for: beyond, it is a floor or a wall."""
+    """Maximum ratio of size to the largest requested label, to exclude floors and walls."""
     near_radii: float = 0.25
-    """Radii, and with the two below, around where a label is expected, within which it meets others
-    that an earlier run found; farther away they keep their stored points and are not followed."""
+    """Radii around a label's expected position, added to the two below, within which companions of
+    an earlier run are tracked; farther ones keep their stored points."""
     near_units: float = 4.0
     """Units of tolerance, likewise."""
     near_steps: float = 0.5
     """Times the label's speed, for each frame since it was seen, likewise."""
     sampled_points: PositiveInt = 60
-    """Points of a label by which that is told."""
+    """Sampled points of a label for this test."""
 
 
 @dataclass(frozen=True, slots=True)
 class JumpOptions(Options):
-    """Jumps of a sensor at rest: when one is assumed, and how it is found."""
+    """Jumps of a sensor at rest: detection and registration."""
 
     stride_frames: int = 8
-    """Frames between two that are compared; where they differ, those between are."""
+    """Frames between two compared frames; if these differ, the frames between are compared."""
     sampled_points: PositiveInt = 500
-    """Points of a frame that are looked for in another."""
+    """Sampled points of a frame that are searched for in another."""
     near_share: float = 0.03
     """Distance within which a point is found again, in median distances from the middle; at
-    least ``near_spacings`` of what it is looked for in."""
+    least ``near_spacings``."""
     near_spacings: float = 3.0
     """Spacings of the other frame's points, likewise."""
     stays_share: float = 0.85
     """Share of the points that are found again while the sensor rests."""
     shifts: int = 4
-    """Shifts from which frames are registered."""
+    """Number of shifts from which frames are registered."""
     pixel_cells: PositiveFloat = 2.0
     """Size of a pixel of the correlation, in cells that the frames are thinned to."""
     side_pixels: int = 128
     """Pixels of the correlation along each side."""
     least_cells: float = 2.0
-    """Cells by which the scenery lies elsewhere after a jump."""
+    """Minimum displacement of the scene by a jump, in cells."""
     rest_share: float = 0.25
-    """Share of that by which it may between the frames before and after it."""
+    """Share of that allowed between frames before and frames after the jump."""
     patience: int = 2
-    """Times that the scenery goes away without a jump after which the sensor is one that moves."""
+    """Number of displacements without a jump after which the sensor counts as moving."""
     sure: float = 0.8
-    """Confidence at most of what is found in the first frame behind a jump."""
+    """Maximum confidence in the first frame after a jump."""
     reach_spacings: float = 2.5
-    """Spacings within which points are an object's there: what does not move along is given up."""
+    """Spacings within which points are an object's there; points that stay behind are lost."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,21 +67,21 @@ class StrainOptions(Options):
     signed: ClassVar[frozenset[str]] = frozenset({"outline_offsets_px"})
 
     min_known_points: int = 100  # known points that have to be in sight
-    min_off_share: float = 0.005  # share of them off their place to ask for strain
-    stiff_frames: PositiveInt = 4  # frames between two questions of a stiff object
-    hint_share: float = 0.25  # share of soft strain from which it is asked in all
-    loose_cost: float = 0.15  # cost of a fit from which it is asked in all of a dense object
-    max_frame_ratio: float = 1.5  # times the soft strain that one frame can say
-    bent_points: PositiveInt = 600  # points at most that are bent to find out
-    target_points: PositiveInt = 6000  # points at most onto which
+    min_off_share: float = 0.005  # minimum share of them off their place for a test of strain
+    stiff_frames: PositiveInt = 4  # frames between two tests of a stiff object
+    hint_share: float = 0.25  # share of soft strain from which all frames are tested
+    loose_cost: float = 0.15  # cost of a fit from which all frames of a dense object are tested
+    max_frame_ratio: float = 1.5  # maximum ratio of a frame's strain to the soft strain
+    bent_points: PositiveInt = 600  # maximum deformed points of a test
+    target_points: PositiveInt = 6000  # maximum target points of a test
     off_units: float = 1.5  # units from a measurement at which a model point is off its place
     on_units: float = 1.0  # units at which it is on it
-    far_units: float = 3.0  # units within which that is looked for
+    far_units: float = 3.0  # units within which measurements are searched for
     unexplained_units: float = 2.0  # units from the model from which it does not explain a point
     # Pixels, each way, from which an outline is beside a point.  Without: boxes of 40 frames, seed
     # 802, -.007, one object lost.
     outline_offsets_px: tuple[int, int, int] = (-2, 0, 2)
-    share_rate: float = 0.15  # weight of a frame in the running mean of how much bends
+    share_rate: float = 0.15  # weight of a frame in the running mean of the bending share
     strain_rate: float = 0.2  # weight of a frame in the running mean of strain
 
 
@@ -116,7 +116,7 @@ class AppearanceOptions(Options):
 
     signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
     # Without colours of its own: boxes -.084.
-    rather_ratio: float = 10.0  # times as common among painted colours that is rather the track's
+    rather_ratio: float = 10.0  # ratio of shares from which a colour is the track's own
     coarse_bins: PositiveInt = 3  # bins, each way, of the cells of a histogram of few colours
     alike_share: float = 0.7  # share of colours that it showed from which a surface may be its
     common_share: float = 0.02  # share of colours from which they are common
@@ -131,14 +131,14 @@ class AppearanceOptions(Options):
 class ObjectOptions(Options):
     """Kind of object that a label is, and its tolerance."""
 
-    # Confidence of a label begun anew from what came out from behind another.
+    # Confidence of a label restarted from its part that reappeared from behind another.
     emerged_confidence: float = 0.3
-    # Units within which a point is where something stood, without a depth image.
+    # Units within which a point is at a static point, without a depth image.
     static_units: float = 1.5
     default_unit_m: float = 0.02  # metres of a unit while nothing is tracked
     sheet_radii: float = 0.016  # radii from its plane that hold half of a flat object
     broad_m: float = 0.06  # metres of deviation across from which a label is part of a person
-    afar_m: float = 1.5  # metres from the sensor from which that can be told
+    afar_m: float = 1.5  # minimum metres from the sensor for that
     flat_share: float = 0.6  # share of its points on the ground from which it lies there
     ring_neighbours: int = 24  # neighbours among which the next ring of a lidar is looked for
     ring_cos: float = 0.5  # cosine of a way aside
@@ -146,11 +146,11 @@ class ObjectOptions(Options):
     edge_px: int = 2  # pixels from the edge of the picture
     edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
     contact_share: float = 0.3  # share of its width along the edge that touches it likewise
-    cut_m: float = 0.2  # metres of radius from which that contact tells
-    sampled_points: PositiveInt = 400  # points whose neighbours are looked at
-    lone_spacing_m: float = 0.02  # metres between points where there are too few to tell
+    cut_m: float = 0.2  # minimum metres of radius for that contact
+    sampled_points: PositiveInt = 400  # sampled points for distances to neighbours
+    lone_spacing_m: float = 0.02  # metres between points if they are too few
     min_spacing_m: PositiveFloat = 0.0001  # metres between points at least, where all are one point
-    black_share: float = 0.1  # share of black points from which many were seen by no camera
+    black_share: float = 0.1  # share of black points from which colours are incomplete
     min_colour_noise: PositiveFloat = 0.03  # least colour noise
     bent_share: float = 0.2  # unexplained share from which an object bends
     bent_share_large: float = 0.05  # the same, of a large one
@@ -160,11 +160,11 @@ class ObjectOptions(Options):
     part_units: float = 5.0  # units of radius that such a part has at least
     # Share of known surface found by bending alone from which it is soft.
     soft_strain: float = 0.006
-    hardly_share: float = 0.2  # share of its size under which hardly anything of it was seen
+    hardly_share: float = 0.2  # share of its size under which an object is mostly occluded
     min_unit_spacings: float = 0.5  # share of the model's spacing that a unit is at least
     max_approach: PositiveFloat = 2.0  # times as near or far as an object comes in a frame at most
     colour_units: float = 0.5  # units that a usual colour difference between neighbours counts for
-    # Points from which an object is looked at more coarsely than it is seen.
+    # Number of points from which an object is subsampled.
     dense_points: PositiveInt = 3000
 
 
@@ -172,17 +172,17 @@ class ObjectOptions(Options):
 class IdentityOptions(Options):
     """Two tracks that met."""
 
-    meeting_units: float = 6.0  # units between two from which each may be where the other went
+    meeting_units: float = 6.0  # units between two objects within which they may be exchanged
     prediction_units: float = 2.0  # units by which a prediction is off at the best
-    # Squared ways to both as found over swapped, from which they may be swapped.
+    # Ratio of squared distances as found to exchanged, from which they may be exchanged.
     uneven_ratio: float = 0.35
     even_ratio: float = 0.7  # the same, from which it is as likely as not
-    unsure_confidence: float = 0.85  # confidence at most after the one
-    doubted_confidence: float = 0.45  # confidence at most after the other
+    unsure_confidence: float = 0.85  # maximum confidence above `uneven_ratio`
+    doubted_confidence: float = 0.45  # maximum confidence above `even_ratio`
     alike_radius_ratio: float = 1.5  # ratio of radii up to which two look alike
     compared_frames: int = 4  # frames before and after that are compared
     smooth_ratio: float = 0.25  # unevenness as found over swapped, up to which they are right
-    # Share of the way between two within which both are clearly themselves.
+    # Share of the distance between two objects within which their identities are clear.
     clear_share: float = 0.3
 
 
@@ -190,5 +190,5 @@ class IdentityOptions(Options):
 class SmoothingOptions(Options):
     """Fixed-lag smoothing."""
 
-    lag_frames: int = 12  # frames for which a result is held back at most
-    sure: float = 0.5  # confidence from which an object is found
+    lag_frames: int = 12  # maximum frames for which a result is held back
+    sure: float = 0.5  # confidence from which a detection is certain
