@@ -1,7 +1,8 @@
-"""Tracking between painted frames: forward from one, backward from the next, meeting in between.
+"""Bidirectional tracking between painted frames.
 
-Wraps any method.  Where a label is painted again further on, its frames before that are tracked
-from both sides, and change over from the forward to the backward run where the two agree best.
+It wraps any method.  Frames of a label between two painted frames are tracked forward from the
+first and backward from the second; the result changes from the forward to the backward run where
+both agree best.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ Found = tuple[I64 | None, TrackState | None]
 
 @dataclass(frozen=True)
 class _Task:
-    """One part of a run between painted frames: what it is asked to go through."""
+    """Part of a run between painted frames."""
 
     frames: Frames
     order: Sequence[int]
@@ -39,12 +40,12 @@ class _Task:
     options: TrackOptions
 
     def rules(self, at: int) -> FrameRules:
-        """The rules of the frame at a position in the order."""
+        """Return the rules of the frame at a position in the order."""
         number = self.order[at]
         return FrameRules(len(self.frames(number).xyz), self.known(number), self.options)
 
     def known_with(self, at: int, found: Mapping[int, Found]) -> Known:
-        """Add the labels ``found`` at a position of the order to the knowledge of that frame."""
+        """Return ``known`` with the labels ``found`` at a position of the order added."""
         number = self.order[at]
 
         def known(asked: int) -> FrameKnowledge | None:
@@ -65,7 +66,7 @@ class _Task:
 
 @dataclass(frozen=True)
 class BothSides:
-    """``method``, checked, and run from both sides between painted frames."""
+    """A ``method`` with checked inputs, run in both directions between painted frames."""
 
     method: Method
 
@@ -119,9 +120,9 @@ class BothSides:
     def _meet(
         self, task: _Task, start: int, stop: int, labels: list[int], buffer: list[dict[int, Found]]
     ) -> None:
-        """Replace the frames after the meeting point, of each label, by the backward run.
+        """Replace the results after each label's meeting point by the backward run.
 
-        ``start`` and ``stop``: positions of the painted frames that it is between.
+        ``start`` and ``stop``: positions of the painted frames at its ends.
         """
         rules = task.rules(stop)
         seeds = [
@@ -146,7 +147,7 @@ class BothSides:
 
 
 def meeting(ahead: Sequence[Found], back: Sequence[Found]) -> int:
-    """Frames (counted from the first) to take from ``ahead``; the others come from ``back``."""
+    """Return the number of first frames to take from ``ahead``; the others come from ``back``."""
     trust = [np.array([_confidence(f) for f in side]) for side in (ahead, back)]
     agree = np.array([_overlap(a[0], b[0]) for a, b in zip(ahead, back, strict=True)])
     best, at = -1.0, 0
@@ -195,7 +196,7 @@ def _require(frames: Frames, order: Sequence[int]) -> None:
 
 
 def _closing(painted: dict[int, list[int]], at: int) -> dict[int, list[int]]:
-    """Start of segment → labels whose segment ends at ``at``."""
+    """Return labels with a segment that ends at ``at``, by start of the segment."""
     groups: dict[int, list[int]] = {}
     for label, positions in painted.items():
         if at in positions:
@@ -205,14 +206,14 @@ def _closing(painted: dict[int, list[int]], at: int) -> dict[int, list[int]]:
 
 
 def _open_since(positions: list[int], at: int) -> list[int]:
-    """First frame that a backward run may still change, where a painted frame lies ahead."""
+    """Return the first frame that a backward run from a later painted frame may still change."""
     if not any(p > at for p in positions):
         return []
     return [max([p for p in positions if p <= at], default=0) + 1]
 
 
 def _rebase(back: list[Found], ahead: Sequence[Found]) -> None:
-    """Make the backward poses start at the run's start frame, by way of the painted frame."""
+    """Make backward poses relative to the run's start frame, through the painted frame."""
     end, first = ahead[-1][1], back[-1][1]
     if end is None or first is None:
         return
@@ -238,7 +239,7 @@ def _result(frame: int, found: dict[int, Found]) -> FrameResult:
     tracks: dict[int, TrackState] = {}
     for label, (points, track) in found.items():
         if points is not None:
-            # A forward and a backward run may both have claimed a point: the first keeps it.
+            # Forward and backward runs may claim the same point: the first label keeps it.
             free = points
             if taken:
                 free = np.setdiff1d(points, np.concatenate(taken), assume_unique=True)

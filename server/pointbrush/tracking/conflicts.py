@@ -1,4 +1,4 @@
-"""Claims in conflict: tracks that lose points to others, or come out of hiding."""
+"""Conflicting claims: tracks that lose points to others, or reappear after an occlusion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from pointbrush.tracking.steps.verdict import judge
 
 
 def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) -> Associations:
-    """Let claims share no point; an object that lost most of its is looked for in what is left."""
+    """Make claims disjoint; an object that loses most points is searched for in free points."""
     view, options = associations.view, associations.view.options.relocate
     found, before = dict(associations.found), associations.claims
     claims = undisputed(before, tracks, options=view.options.body)
@@ -39,7 +39,7 @@ def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) ->
         elsewhere = register_and_claim(tracks[label], view, search)
         again = {**claims, label: elsewhere.claim}
         better = decide(len(view.xyz), again)
-        # Where nearly all is another's, the other is, and not the object.
+        # If another track has nearly all points, that track is there and not this object.
         cheaper = elsewhere.registration.cost < found[label].registration.cost
         anothers = kept < options.others_share * all_ and cheaper
         gain = options.others_share if anothers else options.gain
@@ -59,9 +59,10 @@ def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) ->
 def look_for(
     absent: Iterable[Track], tracks: Mapping[int, Track], associations: Associations
 ) -> tuple[Associations, dict[int, I64]]:
-    """Find large objects that were hidden in what the claims of the others leave.
+    """Find large occluded objects among unclaimed points.
 
-    The associations with those that were found, and label → points (M,) where the others may be.
+    Returns the associations with the found ones, and by label the points (M,) where each of the
+    others may be.
     """
     view, background = associations.view, associations.background
     loose: dict[int, I64] = {}
@@ -86,8 +87,10 @@ def look_for(
 def _surely(
     label: int, tracks: Mapping[int, Track], background: Background, view: View, points: I64
 ) -> bool:
-    """Whether a large object that was hidden is there: it shows where and as it was last seen, or
-    before a known scene, in its own clothes."""
+    """Return whether an occluded large object has certainly reappeared.
+
+    It shows at its last position and depth, or in front of a known scene in its own colours.
+    """
     options = view.options.relocate
     if float((background.again(view, points) == label).mean()) > options.shown_share:
         return True
@@ -101,9 +104,9 @@ def bodies_left(
     associations: Associations,
     labelled: Mapping[int, LabelledPoints],
 ) -> dict[int, I64]:
-    """The bodies no one has of objects so changed that they have to be learnt anew.
+    """Return by label the unclaimed bodies of objects that changed too much to be registered.
 
-    ``loose``: the points where each of them may be.
+    ``loose``: points where each object may be, by label.
     """
     if not loose:
         return {}

@@ -1,7 +1,7 @@
-"""Frames in which a point occurs several times, as dual-return sensors and merged clouds give.
+"""Duplicate points in frames, from dual-return sensors and merged clouds.
 
 A method sees each distinct point once, so that the spacing of an object is that of its distinct
-points; what it finds is given to all copies of a point that the run may take.
+points.  Its labels are applied to all copies of a point that the run may take.
 """
 
 from __future__ import annotations
@@ -32,20 +32,23 @@ from pointbrush.tracking.interface import (
 from pointbrush.tracking.permissions import FrameRules
 
 REMEMBERED = 16
-"""Frames of which the copies are remembered: somewhat more than a method holds back."""
+"""Number of frames with cached copies: somewhat more than the lag of a method."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Copies:
-    """The copies in a frame of N points: ``first`` (M,) sorted indices of the distinct points,
-    ``position`` (N,) of each point's distinct point in ``first``."""
+    """Copies in a frame of N points.
+
+    ``first`` (M,): sorted indices of distinct points; ``position`` (N,): position in ``first`` of
+    each point's distinct point.
+    """
 
     first: I64
     position: I64
 
     @staticmethod
     def of(xyz: F32) -> Copies | None:
-        """Return the copies among points (N, 3), None where all differ."""
+        """Return the copies among points (N, 3); None: all differ."""
         bits = (np.ascontiguousarray(xyz, np.float32) + np.float32(0.0)).view(np.uint32)
         first = _first_equal(bits)
         distinct = np.flatnonzero(first == np.arange(len(first)))
@@ -68,19 +71,19 @@ class DistinctFrame:
 
     @property
     def rgb(self) -> NDArray[np.uint8] | None:
-        """(M, 3) colours, each of the first copy."""
+        """(M, 3) colours of the first copies."""
         rgb = self.whole.rgb
         return None if rgb is None else np.asarray(rgb)[self.first]
 
     @property
     def intensity(self) -> F32 | None:
-        """(M,) intensities, each of the first copy."""
+        """(M,) intensities of the first copies."""
         intensity = self.whole.intensity
         return None if intensity is None else np.asarray(intensity)[self.first]
 
     @cached_property
     def kdtree(self) -> cKDTree:
-        """A tree over the distinct points."""
+        """A k-d tree of the distinct points."""
         return cKDTree(self.xyz, balanced_tree=False)
 
     @property
@@ -100,7 +103,7 @@ class DistinctFrame:
 
 
 class DistinctFrames:
-    """Frame number → frame with each distinct point once; pickles as ``frames`` does."""
+    """Frame number → frame with each distinct point once; picklable if ``frames`` is."""
 
     def __init__(self, frames: Frames) -> None:
         self._frames = frames
@@ -108,7 +111,7 @@ class DistinctFrames:
         self._without: set[int] = set()
 
     def __call__(self, number: int) -> TrackFrame:
-        """Return a frame of distinct points; the frame itself where all are."""
+        """Return a frame of distinct points; the frame itself if all are distinct."""
         frame, copies = self._frames(number), self.copies(number)
         return frame if copies is None else DistinctFrame(frame, copies.first)
 
@@ -116,7 +119,7 @@ class DistinctFrames:
         return DistinctFrames, (self._frames,)
 
     def copies(self, number: int) -> Copies | None:
-        """Return the copies in a frame, None where all its points differ."""
+        """Return the copies in a frame; None: all its points differ."""
         return None if number in self._without else self._remembered(number)
 
     def _found(self, number: int) -> Copies | None:
@@ -144,8 +147,8 @@ class DistinctRun:
     def known(self, number: int) -> FrameKnowledge | None:
         """Return the knowledge of the distinct points of a frame.
 
-        Of several copies the painted one counts, else a labelled one; deleted are those of which
-        no copy is left.
+        Of several copies the painted one counts, else a labelled one; a point is deleted if all its
+        copies are.
         """
         know, copies = self.whole(number), self.frames.copies(number)
         if know is None or copies is None:
@@ -157,7 +160,7 @@ class DistinctRun:
         return FrameKnowledge(know.label[chosen], know.provenance[chosen], know.deleted[chosen])
 
     def of_all(self, result: FrameResult, labels: Sequence[int]) -> FrameResult:
-        """Return a result in distinct points as one of all copies that ``labels`` may take."""
+        """Return a result of distinct points extended to all copies that ``labels`` may take."""
         copies = self.frames.copies(result.frame)
         if copies is None:
             return result
@@ -176,7 +179,7 @@ class DistinctRun:
 
 @compiled
 def _first_equal(bits: NDArray[np.uint32]) -> I64:
-    """(N,) for each row of (N, 3) the first that equals it, by a table with open addresses."""
+    """Return (N,) the first equal row of each row (N, 3), by a hash table with open addressing."""
     size = 16
     while size < 2 * len(bits):
         size *= 2

@@ -1,4 +1,4 @@
-"""Record the steps by which `auto` finds a label in a frame, for people to look at."""
+"""Record of the steps by which `auto` finds a label in a frame, for inspection."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from pointbrush.tracking.sensors.view import View
 class Explanation:
     """The steps of one label in one frame; coordinates are the frame's own, metres.
 
-    ``predicted`` (K, 3) centres of the predicted poses; ``hypotheses`` (H, 3) those of the poses
-    that were registered, with ``costs`` (H,), the least of which was taken; ``surface`` (M, 3) the
-    model as it was registered and ``residual`` (M,) metres from each of its points to the nearest
-    point that got the label.  Of the frame's points: those ``around`` (P,) the predictions,
-    ``static`` (P,) which of them are background, ``owner`` (P,) the label that each got, 0 for
-    none.  ``features`` is what the confidence is computed from.  Empty arrays where a step was not
-    reached: nothing was found to register, or the label is one of people, who are found together.
+    ``predicted`` (K, 3): centres of the predicted poses; ``hypotheses`` (H, 3): centres of the
+    registered poses, with ``costs`` (H,), of which the minimum was chosen; ``surface`` (M, 3): the
+    registered model; ``residual`` (M,): metres from each of its points to the nearest labelled
+    point.  Indices of the frame's points: ``around`` (P,) the predictions, with the mask ``static``
+    (P,) of background and ``owner`` (P,), the assigned label, 0 for none.  ``features``: inputs of
+    the confidence.  Arrays are empty for steps that were not reached: no points to register, or a
+    person, as people are tracked jointly.
     """
 
     frame: int
@@ -51,7 +51,7 @@ Watch = Callable[[Explanation], None]
 def explain(
     view: View, background: Background, track: Track, fit: Registration | None, state: TrackState
 ) -> Explanation:
-    """Gather the steps of a label once its frame is decided, before anything is learnt of it."""
+    """Return the steps of a label after its frame is decided and before the models are updated."""
     T = view.T_world_frame
     back = np.eye(4) if T is None else inverse(T)
     nowhere = np.empty((0, 3))

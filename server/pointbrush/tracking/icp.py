@@ -1,7 +1,7 @@
 """The paper's tracker: ICP or colour ICP from frame to frame, labels to the points nearby.
 
-For each label: register the object's points to the next frame with ICP (Besl and McKay 1992),
-give the label to the next frame's points near the moved object, go on from those.  ``icp``
+For each label: register the object's points to the next frame with ICP (Besl and McKay 1992), give
+the label to the next frame's points near the moved object, and continue from these.  ``icp``
 pairs each point with the closest one; ``color-icp`` with the one of most similar colour among
 the k closest.  Both use the frames' stored k-d trees.
 """
@@ -33,13 +33,13 @@ from pointbrush.tracking.options.confidence import IcpConfidenceOptions
 from pointbrush.tracking.permissions import FrameRules
 
 LONE, FINEST = 0.01, 1e-4
-"""Metres between points where there is but one, and at least, where all are one point."""
+"""Spacing in metres of a single point, and minimum spacing of coincident points."""
 SAMPLE = 500
-"""Points whose nearest are asked how far they are."""
+"""Number of points sampled for the spacing."""
 
 
 def nearest(tree: cKDTree, xyz: F64, k: int | NDArray[np.int64]) -> tuple[F64, I64]:
-    """Distances and indices of each point's nearest neighbours: (M,) for one, else (M, k)."""
+    """Return distances and indices of each point's nearest neighbours: (M,) for one or (M, k)."""
     distance, index = tree.query(xyz, k=k)
     return np.asarray(distance, np.float64), np.asarray(index, np.int64)
 
@@ -54,7 +54,7 @@ def closest_point(frame: TrackFrame) -> Pair:
 
 
 def most_similar_colour(frame: TrackFrame, colour: F64, k: int) -> Pair:
-    """Pair each point with the one most like its ``colour`` (M, 3) among its ``k`` closest."""
+    """Pair each point with the most similar ``colour`` (M, 3) among its ``k`` closest points."""
     rgb = frame.rgb
     if rgb is None:
         return closest_point(frame)
@@ -72,7 +72,7 @@ def most_similar_colour(frame: TrackFrame, colour: F64, k: int) -> Pair:
 
 
 def spacing(xyz: F64, frame: TrackFrame) -> float:
-    """Median distance (metres) from points of a frame to their nearest other point there."""
+    """Return the median distance (m) of points of a frame to their nearest neighbour."""
     if len(frame.xyz) < 2:
         return LONE
     sample = xyz[:: max(1, len(xyz) // SAMPLE)]
@@ -82,9 +82,9 @@ def spacing(xyz: F64, frame: TrackFrame) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Painted:
-    """Some points of a label in the frame where a person painted it, to be found again.
+    """Sample of a label's points in its painted frame, for the confidence.
 
-    ``T_frame_start`` is the object's pose there; all of its points there are in a ``tree``.
+    ``T_frame_start``: the object's pose in that frame; ``tree``: k-d tree of all its points there.
     """
 
     xyz: F64
@@ -94,8 +94,7 @@ class _Painted:
 
 @dataclass(slots=True)
 class _Object:
-    """A label on its way: its points where it was last found, and its pose ``T_frame_start``;
-    how sure it was there, and what was painted."""
+    """State of a label: last points, pose ``T_frame_start``, confidence, and painted points."""
 
     xyz: F64
     colour: F64
@@ -111,7 +110,7 @@ class PaperTracker:
 
     A point of the next frame is near the moved object within ``reach`` times its spacing.
     ``watch`` gets frame, label and each iteration of its registration; ``learn`` gets frame, label
-    and what the step said about itself.
+    and the evidence of the step.
     """
 
     k: int = 1
@@ -167,7 +166,7 @@ class PaperTracker:
         asked: tuple[int, int],
         labels: list[int],
     ) -> tuple[I64, TrackState]:
-        """Find an object in a frame; ``asked`` are the numbers of the frame and of its label."""
+        """Return an object's points and state in a frame; ``asked``: frame number and label."""
         lost = TrackState(track.pose, 0.0, 0.0, 0.0, 0, "lost")
         if len(frame.xyz) == 0:
             return np.empty(0, np.int64), lost
@@ -187,7 +186,7 @@ class PaperTracker:
         found = np.union1d(found, rules.anchors(asked[1]))
         if len(found) == 0:
             return found, lost
-        # 3. How sure that is.  The paper has no measure of it.
+        # 3. The confidence, which the paper does not have.
         inliers = float(np.mean([len(n) > 0 for n in near]))
         pose = fit.T_target_source @ track.pose
         evidence = _evidence(track, frame, found, pose, options=self.confidence)
@@ -200,7 +199,7 @@ class PaperTracker:
 def _evidence(
     track: _Object, frame: TrackFrame, found: I64, pose: F64, options: IcpConfidenceOptions
 ) -> IcpEvidence:
-    """Compare what was ``found`` (M,) with what was painted, moved by all steps."""
+    """Return features of the points ``found`` (M,) against painted points moved by all steps."""
     painted = track.painted
     moved = pose @ inverse(painted.T_frame_start)
     away, at = nearest(frame.kdtree, transform(moved, painted.xyz), 1)
@@ -215,7 +214,7 @@ def _evidence(
 
 
 def _begun(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
-    """Begin with what a person painted."""
+    """Return an object from painted points."""
     xyz = frame.xyz[indices].astype(np.float64)
     some = xyz[:: max(1, len(xyz) // SAMPLE)]
     painted = _Painted(some, pose, cKDTree(xyz))
@@ -223,7 +222,7 @@ def _begun(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
 
 
 def _gone_on(track: _Object, frame: TrackFrame, indices: I64, state: TrackState) -> _Object:
-    """Go on from what was found."""
+    """Return the object updated with its found points."""
     xyz = frame.xyz[indices].astype(np.float64)
     return replace(
         track,

@@ -1,7 +1,7 @@
-"""Interface of a tracking method: what it takes and gives.
+"""Interface of a tracking method: inputs and results.
 
 Points are in stored order and local coordinates throughout; transforms name their direction.
-Everything a method yields pickles, so that it can run in another process.
+All results are picklable, so that a method can run in another process.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ PAINTED = 1
 
 
 class PixelLattice(Protocol):
-    """Pixels that a frame's points lie on, as ``sequences`` keeps them: ``Lattice`` is one."""
+    """Pixel lattice of a frame's points; ``sequences`` has an implementation, ``Lattice``."""
 
     @property
     def width(self) -> int:
-        """Columns of the image."""
+        """Number of columns of the image."""
 
     @property
     def height(self) -> int:
-        """Rows of the image."""
+        """Number of rows of the image."""
 
     @property
     def axis(self) -> int:
@@ -45,7 +45,7 @@ class PixelLattice(Protocol):
 
     @property
     def sign(self) -> float:
-        """1 where it looks to greater coordinates, else -1."""
+        """1 if it looks to greater coordinates, else -1."""
 
     @property
     def tangent(self) -> tuple[float, float]:
@@ -57,16 +57,16 @@ class PixelLattice(Protocol):
 
     @property
     def eye(self) -> tuple[float, float, float]:
-        """The camera's place, local metres."""
+        """The camera's position, in local metres."""
 
 
 class TrackFrame(Protocol):
-    """One frame as tracking sees it; ``StoredFrame`` is one.
+    """A frame for tracking; ``StoredFrame`` is an implementation.
 
-    ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``intensity`` (N,) float32 or
-    None; ``kdtree`` over ``xyz``; ``viewpoint`` (3,) sensor position or None where unknown;
-    ``pose`` (4, 4) ``T_world_frame`` or None where the sensor stands still; ``lattice`` the
-    pixels of its camera, where the import found them, or None.
+    ``xyz`` (N, 3): float32 metres; ``rgb`` (N, 3): uint8 or None; ``intensity`` (N,): float32 or
+    None; ``kdtree``: tree of ``xyz``; ``viewpoint`` (3,): sensor position, None if unknown;
+    ``pose`` (4, 4): ``T_world_frame``, None for a sensor at rest; ``lattice``: pixels of its
+    camera if the import found them, else None.
     """
 
     @property
@@ -95,12 +95,12 @@ class TrackFrame(Protocol):
 
     @property
     def lattice(self) -> PixelLattice | None:
-        """The camera's pixels, where the import found them."""
+        """The camera's pixels, if the import found them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PositionsFrame:
-    """A ``TrackFrame`` of positions alone, by which its sensor is told."""
+    """A ``TrackFrame`` of positions only, to determine its sensor."""
 
     xyz: F32
     viewpoint: F64 | None
@@ -111,7 +111,7 @@ class PositionsFrame:
 
     @property
     def kdtree(self) -> cKDTree:
-        """A tree made for this call."""
+        """A tree built for this call."""
         from scipy.spatial import cKDTree as Tree
 
         return Tree(self.xyz, balanced_tree=False)
@@ -139,16 +139,17 @@ class FrameKnowledge:
 
 
 Known = Callable[[int], FrameKnowledge | None]
-"""Frame number → what is known of it, None where nothing is."""
+"""Function of the frame number: known labels of the frame, or None."""
 
 
 @dataclass(frozen=True, slots=True)
 class KnownSensor:
-    """Facts about a recording's sensor that hold for every run over it.
+    """Properties of a recording's sensor, valid for all runs.
 
-    ``at_rest``    all of the recording shows it at rest; else a run has to look for itself.
-    ``place``      (x, y, z) of a camera that the recording does not tell, local metres, or None.
-    ``placeless``  such a place was looked for, and there is none.
+    ``at_rest``    the whole recording shows it at rest; if False, a run has to check.
+    ``place``      estimated (x, y, z) of a camera without a recorded position, local metres, or
+                   None.
+    ``placeless``  the search for such a position failed.
     """
 
     at_rest: bool = False
@@ -158,19 +159,19 @@ class KnownSensor:
 
 @dataclass(frozen=True, slots=True)
 class TrackOptions:
-    """Options of a run: what it may overwrite, and when it stops.
+    """Options of a run.
 
-    ``overwrite``      which labelled points a run may take: "never" any, "tracked" those that
-                       no one painted, "all".
-    ``locked``         labels whose points are never taken.
-    ``continue_lost``  go on looking after the first lost frame of a label.
-    ``until_painted``  a label's run ends at the next frame where it is painted, so that a
-                       correction re-tracks only up to what a person has confirmed.
-    ``before``         frames before the start, the farthest first, whose labels a method may
-                       learn from; it yields nothing for them.
-    ``painted``        the frames in which a person painted, None where that is not known.
-    ``read_ahead``     a method may prepare the next frame in a thread of its own.
-    ``sensor``         what is known of the recording's sensor, so that a run need not find it.
+    ``overwrite``      labelled points that a run may take: "never" none, "tracked" points not
+                       painted by a person, "all".
+    ``locked``         labels with points that are never taken.
+    ``continue_lost``  continue the search after the first lost frame of a label.
+    ``until_painted``  end a label's run at the next frame where it is painted, so that a
+                       correction re-tracks only up to the next confirmed frame.
+    ``before``         labelled frames before the start, the farthest first, as examples for a
+                       method; it yields no results for them.
+    ``painted``        the frames in which a person painted, None if unknown.
+    ``read_ahead``     a method may prepare the next frame in a separate thread.
+    ``sensor``         known properties of the recording's sensor, which a run need not estimate.
     """
 
     overwrite: Overwrite = "tracked"
@@ -187,9 +188,9 @@ class TrackOptions:
 class TrackState:
     """Outcome of a label in one frame.
 
-    ``pose`` (4, 4) float64 ``T_frame_start``; ``rmse`` metres over the inliers of the fit;
-    ``inliers`` share 0..1 of the visible model that was found; ``confidence`` 0..1;
-    ``points`` number of points assigned.
+    ``pose`` (4, 4): float64 ``T_frame_start``; ``rmse``: metres over the inliers of the fit;
+    ``inliers``: share, 0 to 1, of the visible model that was found; ``confidence``: 0 to 1;
+    ``points``: number of points assigned.
     """
 
     pose: F64
@@ -204,9 +205,9 @@ class TrackState:
 class FrameResult:
     """Result of a run in frame ``frame``.
 
-    ``assignments``  label → sorted stored indices (int64); labels share no point.  The start
-                     frame, and a label that is not found, have none.
-    ``tracks``       label → state; a label that was stopped is absent.
+    ``assignments``  label → sorted stored indices (int64), disjoint.  The start frame, and labels
+                     that are not found, have none.
+    ``tracks``       label → state; stopped labels are absent.
     """
 
     frame: int
@@ -215,11 +216,11 @@ class FrameResult:
 
 
 class Method(Protocol):
-    """A way of carrying labels from frame to frame.
+    """A tracking method.
 
     ``track`` yields one FrameResult per entry of ``order``, ``order[0]`` (the start frame)
-    first.  ``order`` ascends or descends; frames may be asked for in any order.  It must not
-    raise on any frame content: what cannot be tracked is flagged.  Seeds are checked before.
+    first.  ``order`` ascends or descends; frames may be read in any order.  It must not raise for
+    any frame content: labels that cannot be tracked are flagged.  Seeds are validated beforehand.
     """
 
     def track(
@@ -230,4 +231,4 @@ class Method(Protocol):
         known: Known,
         options: TrackOptions,
     ) -> Iterator[FrameResult]:
-        """Carry ``seeds`` through ``order``; see the class."""
+        """Track ``seeds`` through ``order``; see the class."""

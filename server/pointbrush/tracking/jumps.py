@@ -1,4 +1,4 @@
-"""Tracking across jumps of a sensor: the jumps, and a registration over each of them."""
+"""Tracking across jumps of a sensor: detection of jumps, and registration over each jump."""
 
 from __future__ import annotations
 
@@ -35,15 +35,18 @@ from pointbrush.tracking.sensors.trajectory import recorded_pose
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Jump:
-    """``at`` is the position in the order of the first frame after it, ``T`` (4, 4) takes points
-    of the frame before to where they lie after it."""
+    """A jump of the sensor.
+
+    ``at``: position in the order of the first frame after it; ``T`` (4, 4): motion of points from
+    before the jump to after it.
+    """
 
     at: int
     T: F64
 
 
 def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) -> Iterator[Jump]:
-    """Yield the jumps along ``order``; none where the recording tells poses or the sensor moves."""
+    """Yield the jumps along ``order``; none if the recording has poses or the sensor moves."""
     if len(order) < 2 or _told(frames, order, options=options.scan_odometry):
         return
     at, moving = 0, 0
@@ -75,7 +78,7 @@ def _told(frames: Frames, order: Sequence[int], options: ScanOdometryOptions) ->
 
 
 def _stays(one: TrackFrame, other: TrackFrame, options: JumpOptions) -> bool:
-    """Whether most of what one frame shows is there in another."""
+    """Return whether most points of one frame are at the same place in another."""
     xyz = np.asarray(one.xyz, np.float64)
     if not len(xyz) or not len(other.xyz):
         return True
@@ -93,7 +96,7 @@ def _stays(one: TrackFrame, other: TrackFrame, options: JumpOptions) -> bool:
 def _jump_between(
     frames: Frames, order: Sequence[int], before: int, options: TrackerOptions
 ) -> F64 | None:
-    """The jump from position ``before`` to the next, where the sensor rests beside it."""
+    """Return the motion (4, 4) of a jump after position ``before``, with rest on both sides."""
     beside = range(max(before - 1, 0), min(before + 3, len(order)))
     planes = {
         at: planes_of(np.asarray(frames(order[at]).xyz, np.float64), options=options)
@@ -111,13 +114,12 @@ def _jump_between(
             continue
         step, _ = register(a, b.tree, np.eye(4), options=options.scan_odometry)
         if _displaced(a, step) > options.jumps.rest_share * _displaced(one, T):
-            return None  # it moves all the time
+            return None  # the sensor moves continuously
     return T
 
 
 def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | None:
-    """Find the motion (4, 4) of a frame's surfaces into another; None where they have not moved, or
-    are not found."""
+    """Return the motion (4, 4) of a frame's surfaces to another; None: no motion or no match."""
     before = in_place(one, other.tree, np.eye(4), options=options.scan_odometry)
     best, share = np.eye(4), before
     for shift in _likely(one, other, options.jumps):
@@ -132,7 +134,7 @@ def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | Non
 
 
 def _displaced(planes: Planes, T: F64) -> float:
-    """Cells by which ``T`` displaces surfaces, at the median."""
+    """Return the median displacement of surfaces by ``T``, in cells."""
     if not len(planes.at):
         return 0.0
     moved = np.linalg.norm(transform(T, planes.at) - planes.at, axis=1)
@@ -140,7 +142,7 @@ def _displaced(planes: Planes, T: F64) -> float:
 
 
 def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
-    """(K, 3) metres, the shifts under which most surfaces that face alike lie on each other."""
+    """Return (K, 3) shifts in metres that align most surfaces with the same orientation."""
     side = options.side_pixels
     pixel = options.pixel_cells * max(one.cell, other.cell)
     middles = [np.median(planes.at, axis=0) for planes in (one, other)]
@@ -163,13 +165,13 @@ def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
 
 
 def _occupied(planes: Planes, axis: int, middle: F64, pixel: float, side: int) -> F32:
-    """(side, side, side) where surfaces lie that face along an axis, with soft edges."""
+    """Return a grid (side, side, side) of surfaces that face along an axis, with soft edges."""
     facing = np.abs(planes.normal).argmax(axis=1) == axis
     at = (planes.at[facing] - middle) / pixel
     at = np.rint(at[(np.abs(at) < side // 4).all(axis=1)]).astype(np.int64)
     image: F32 = np.zeros((side,) * 3, np.float32)
     image[tuple(at.T % side)] = 1.0
-    # A surface an edge of a pixel off still counts.
+    # Surfaces at a pixel's border count in the neighbouring pixel too.
     for way in range(3):
         image += np.float32(0.5) * (np.roll(image, 1, way) + np.roll(image, -1, way))
     return image
@@ -177,7 +179,7 @@ def _occupied(planes: Planes, axis: int, middle: F64, pixel: float, side: int) -
 
 @dataclass(frozen=True, eq=False)
 class MovedFrame:
-    """A ``TrackFrame`` whose points were moved by ``T`` (4, 4)."""
+    """A ``TrackFrame`` with points moved by ``T`` (4, 4)."""
 
     still: TrackFrame
     T: F64
@@ -189,7 +191,7 @@ class MovedFrame:
 
     @cached_property
     def kdtree(self) -> cKDTree:
-        """A tree over the moved points."""
+        """A tree of the moved points."""
         return cKDTree(self.xyz, balanced_tree=False)
 
     @property
@@ -204,23 +206,23 @@ class MovedFrame:
 
     @property
     def viewpoint(self) -> F64 | None:
-        """Sensor position: where it is after the jump, it did not see this frame."""
+        """Sensor position: unknown, as it did not see this frame from its new position."""
         return None
 
     @property
     def pose(self) -> F64 | None:
-        """``T_world_frame``: not known."""
+        """``T_world_frame``: unknown."""
         return None
 
     @property
     def lattice(self) -> None:
-        """The camera's pixels: where it is after the jump, they are others."""
+        """The camera's pixels: None, as they change with the jump."""
         return None
 
 
 @dataclass(frozen=True)
 class AcrossJumps:
-    """``method``, begun anew behind each jump with what ``step`` finds there.
+    """``method``, restarted after each jump from the result of ``step``.
 
     ``step`` tracks from one frame to the next.
     """
@@ -269,8 +271,7 @@ class AcrossJumps:
         known: Known,
         options: TrackOptions,
     ) -> FrameResult:
-        """Carry the labels found last into the frame behind a jump; labels that are not found are
-        absent."""
+        """Track the last found labels into the frame after a jump; labels not found are absent."""
         before, after = order[jump.at - 1], order[jump.at]
 
         def moved(number: int) -> TrackFrame:
@@ -297,7 +298,7 @@ def _pose_of(result: FrameResult, label: int) -> F64:
 
 
 def _composed(result: FrameResult, poses: Mapping[int, F64]) -> FrameResult:
-    """A result of a run whose labels had ``poses`` in its first frame."""
+    """Return a result with poses relative to the start, given ``poses`` of the first frame."""
 
     def from_start(label: int, track: TrackState) -> TrackState:
         first = poses.get(label)

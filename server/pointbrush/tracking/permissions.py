@@ -1,4 +1,4 @@
-"""Points that a run may take, and labels that go along."""
+"""Points that a run may take, and companion labels tracked along with the requested ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pointbrush.tracking.interface import (
 from pointbrush.tracking.options.tracks import CompanionOptions
 
 FEWEST = 10
-"""Painted points under which a label does not count as painted in a frame."""
+"""Number of painted points below which a label does not count as painted in a frame."""
 
 
 class FrameRules:
@@ -39,7 +39,7 @@ class FrameRules:
         return know is None or not (know.label.any() or know.provenance.any() or know.deleted.any())
 
     def free(self, labels: Iterable[int]) -> Mask:
-        """(N,) points that a run of ``labels`` may take and no one else has taken."""
+        """Return a mask (N,) of points that a run of ``labels`` may take and that are not taken."""
         know = self._knowledge
         free = ~self._taken
         if know is None or self._empty:
@@ -47,27 +47,27 @@ class FrameRules:
         mine = np.isin(know.label, list(labels)) & (know.label > 0)
         free &= ~know.deleted & ~np.isin(know.label, list(self._options.locked))
         if self._options.overwrite != "all":
-            # A point painted with a label of this run stays, whoever finds it.
+            # Painted points keep their label, also if it is one of this run.
             free &= know.provenance != PAINTED
         if self._options.overwrite == "never":
             free &= mine | (know.label == 0)
         return free
 
     def anchors(self, label: int) -> I64:
-        """Points painted with ``label``: certain, whatever a method finds."""
+        """Return the points painted with ``label``, which override the results of a method."""
         know = self._knowledge
         if know is None or self._options.overwrite == "all":
             return np.empty(0, np.int64)
         return np.flatnonzero((know.label == label) & (know.provenance == PAINTED) & ~know.deleted)
 
     def keyframe(self, label: int) -> I64 | None:
-        """All points of ``label`` where a person painted it in this frame, else None."""
+        """Return all points of ``label`` if a person painted it in this frame, else None."""
         if len(self.anchors(label)) < FEWEST or self._knowledge is None:
             return None
         return np.flatnonzero((self._knowledge.label == label) & ~self._knowledge.deleted)
 
     def labelled(self) -> dict[int, I64]:
-        """Label → its points, of labels that have enough of them."""
+        """Return the points by label, for labels with enough points."""
         if self._knowledge is None or self._empty:
             return {}
         label = np.where(self._knowledge.deleted, 0, self._knowledge.label)
@@ -76,18 +76,18 @@ class FrameRules:
         return {n: np.flatnonzero(label == n) for n in np.flatnonzero(counts >= FEWEST).tolist()}
 
     def untouched(self, label: int) -> bool:
-        """Whether nothing of ``label`` may be taken by those that have others."""
+        """Return whether other labels may not take points of ``label``."""
         return self._options.overwrite == "never" or label in self._options.locked
 
     def take(self, indices: I64) -> None:
-        """No other label may have these points."""
+        """Mark points as taken."""
         self._taken[indices] = True
 
 
 def keyframes(
     order: Iterable[int], labels: Iterable[int], known: Known, asked: TrackOptions
 ) -> dict[int, list[int]]:
-    """Label → positions in ``order`` (0 excepted) of the frames where a person painted it."""
+    """Return by label the positions in ``order``, except 0, of frames where a person painted it."""
     found: dict[int, list[int]] = {label: [] for label in labels}
     for position, number in enumerate(order):
         if not position or (asked.painted is not None and number not in asked.painted):
@@ -104,14 +104,14 @@ def keyframes(
 
 
 class Companions:
-    """Labels that go along with those that are asked for."""
+    """Companion labels, tracked along with the requested ones."""
 
     def __init__(
         self, seeds: Sequence[Seed], rules: FrameRules, xyz: F32, options: CompanionOptions
     ) -> None:
-        """``seeds`` are those asked for in the first frame ``xyz`` (N, 3) of a run.
+        """``seeds``: requested labels in the first frame ``xyz`` (N, 3) of a run.
 
-        ``beginning`` are those who are labelled beside them there.
+        ``beginning`` has the seeds of the nearest other labels there.
         """
         self._options = options
         self._asked = frozenset(seed.label for seed in seeds)
@@ -123,10 +123,10 @@ class Companions:
         self.beginning = [fitting[i] for i in np.argsort(away, kind="stable")[: options.most]]
 
     def known(self, rules: FrameRules, xyz: F32, followed: Collection[int]) -> dict[int, I64]:
-        """Label → its points, of those who are known for sure in a frame.
+        """Return by label the certain points of companions in a frame.
 
-        They are painted there, or the run may not take them.  Of those who are not ``followed`` yet
-        the painted ones join.
+        Their points are painted there, or the run may not take them.  Of labels not ``followed``
+        yet, only painted ones are added.
         """
         known = {}
         room = self._options.most - len(set(followed) - self._asked)
@@ -141,12 +141,12 @@ class Companions:
         return known
 
     def stored(self, rules: FrameRules, xyz: F32) -> dict[int, I64]:
-        """Label → its points in a frame, of those of no greater size that an earlier run found."""
+        """Return by label the stored points of companions in a frame, within the limit of size."""
         others = self._others(rules)
         return {n: points for n, points in others.items() if self._fits(points, xyz)}
 
     def without(self, result: FrameResult) -> FrameResult:
-        """A result of those that are asked for alone."""
+        """Return a result with only the requested labels."""
         return replace(
             result,
             assignments={n: p for n, p in result.assignments.items() if n in self._asked},
@@ -161,7 +161,7 @@ class Companions:
 
 
 def _distance(some: F32, others: F32) -> float:
-    """Metres between the middles of two clouds (M, 3) and (K, 3)."""
+    """Return the distance (m) between the middles of two clouds (M, 3) and (K, 3)."""
     if not len(others):
         return 0.0
     way = some.mean(axis=0, dtype=np.float64) - others.mean(axis=0, dtype=np.float64)
@@ -169,5 +169,5 @@ def _distance(some: F32, others: F32) -> float:
 
 
 def _size(xyz: F32) -> float:
-    """Metres across the box of some points (M, 3)."""
+    """Return the size (m) of the bounding box of some points (M, 3)."""
     return float(np.linalg.norm(np.ptp(xyz.astype(np.float64), axis=0))) if len(xyz) else 0.0

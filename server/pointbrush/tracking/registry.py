@@ -1,6 +1,6 @@
-"""The tracking methods by name: ours, and those that installed packages add.
+"""Tracking methods by name: built-in ones and plug-ins of installed packages.
 
-A package adds one with an entry point of the group ``pointbrush.tracking`` whose object, called
+A package adds one with an entry point of the group ``pointbrush.tracking``.  Its object, called
 without arguments, returns a ``Method``.  Source: docs/tracking.md.
 """
 
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     WatchIcp = Callable[[int, int, IcpStep], None]
 
 GROUP = "pointbrush.tracking"
-"""Entry points that add a method."""
+"""Group of entry points that add a method."""
 COLOUR_NEIGHBOURS = 12
-"""Nearest points among which the paper's colour ICP takes the one of most similar colour."""
+"""Number of nearest points among which colour ICP selects the most similar colour."""
 
 
-# Imported when they are wanted: the server's own process tracks nothing, and starts without what
-# only trackers need.
+# Imported on demand: the server process does no tracking and starts without the trackers'
+# dependencies.
 def _auto(watch: Watch | None = None, options: TrackerOptions | None = None) -> Method:
     from pointbrush.tracking.icp import PaperTracker
     from pointbrush.tracking.jumps import AcrossJumps
@@ -59,7 +59,7 @@ def _both_sides(method: Method) -> Method:
 
 
 def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
-    """A built-in method as it runs, which tells how each label was found in each frame.
+    """Return a built-in method that reports the steps for each label in each frame.
 
     ``watch`` gets the steps of ``auto``, ``watch_icp`` the iterations of ``icp`` and ``color-icp``.
     Raises BadInputError for another method.
@@ -75,7 +75,7 @@ def watched(name: str, watch: Watch, watch_icp: WatchIcp) -> Method:
 
 
 def with_options(options: TrackerOptions) -> Method:
-    """Return ``auto`` with other options than its own, as it runs: an experiment."""
+    """Return ``auto`` with the given options, for experiments."""
     return _both_sides(_auto(options=options))
 
 
@@ -92,7 +92,7 @@ def _plugins() -> dict[str, Callable[[], Method]]:
 
 
 def _load(name: str) -> Method:
-    """Make the method of an installed plug-in; raises BadInputError where it cannot track."""
+    """Return the method of an installed plug-in; raises BadInputError if it has no ``track``."""
     entry = next(e for e in entry_points(group=GROUP) if e.name == name)
     method: Method = entry.load()()
     if not callable(getattr(method, "track", None)):
@@ -101,7 +101,7 @@ def _load(name: str) -> Method:
 
 
 class _Methods(Mapping[str, Callable[[], Method]]):
-    """Name → factory of a method that runs checked and from both sides of painted frames."""
+    """Factories by name of methods with checked inputs, bidirectional between painted frames."""
 
     def __getitem__(self, name: str) -> Callable[[], Method]:
         factory = _BUILT_IN.get(name) or _plugins()[name]

@@ -1,8 +1,8 @@
-"""`auto`: every object as a surface that moves, is hidden and comes back; all at once.
+"""`auto`: joint tracking of objects as moving surfaces, through occlusions.
 
 ``Run.step`` is the method: observe, predict, register, associate, label, judge, manage, learn.
-Each step is a module of steps/; the scene at rest is in scene/, what is known of a track in model/,
-people, who are followed together, in people/, and every tunable number in options/.
+Each step is a module of steps/.  The static scene is in scene/, the state of a track in model/, the
+joint tracking of people in people/, and every tunable number in options/.
 Source: docs/tracking.md.
 """
 
@@ -60,7 +60,7 @@ from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected,
 
 @dataclass(frozen=True)
 class AutoTracker:
-    """The default method; ``watch`` gets how each label was found in each frame."""
+    """The default method; ``watch`` gets the steps for each label in each frame."""
 
     watch: Watch | None = None
     options: TrackerOptions = field(default_factory=TrackerOptions)
@@ -102,7 +102,7 @@ class Run:
         asked: TrackOptions,
         method: AutoTracker | None = None,
     ) -> None:
-        """``seeds`` of the first frame of ``order``."""
+        """``seeds``: labels in the first frame of ``order``."""
         method = method or AutoTracker()
         self.options = method.options
         self._watch, self._near = method.watch, method.options.companions
@@ -111,7 +111,7 @@ class Run:
         self.tracks: dict[int, Track] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
-        """Labels that were not followed in the last frame: their points there were known."""
+        """Labels not tracked in the last frame, as their points there were stored."""
         self.people = JointTracking(self.tracks, self.options, continue_lost=asked.continue_lost)
         first = frames(order[0]).xyz
         rules = FrameRules(len(first), known(order[0]), asked)
@@ -130,7 +130,7 @@ class Run:
 
     @property
     def background(self) -> Background:
-        """Background model of the scene at rest."""
+        """Background model of the static scene."""
         return self.scene.background
 
     def _reach(self, world: F32) -> F32:
@@ -139,9 +139,9 @@ class Run:
         return np.full(len(world), options.static_units * float(np.median(units)), np.float32)
 
     def start(self, seeds: Sequence[Seed]) -> FrameResult:
-        """Begin with a person's points, and those of who goes along."""
+        """Start with the painted seeds and the companions."""
         view = self.scene.first
-        # Whoever is asked for, all are found in the same order.
+        # The order of labels must not depend on the request.
         seeds = sorted([*seeds, *self.companions.beginning], key=lambda seed: seed.label)
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
@@ -160,20 +160,20 @@ class Run:
         self.astray.pop(label, None)
 
     def recall(self, seeds: Sequence[Seed]) -> None:
-        """Go through the frames before the start, from what is labelled in the first of them."""
+        """Process the frames before the start, from the labels in the first of them."""
         self.start([seed for seed in seeds if len(seed.indices) >= FEWEST])
         for number in self.asked.before[1:]:
             self.step(number)
 
     def through(self, order: Sequence[int]) -> Iterator[FrameResult]:
-        """Find everything in the frames that follow, and what was in doubt once it is known."""
+        """Yield the results of the following frames, smoothed with a fixed lag."""
         smoother = Smoother(self.asked, self.options.smoothing)
         for number in order:
             yield from smoother.take(self.step(number), self.tracks, self.background)
         yield from smoother.rest()
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
-        """Track everything into the next frame; ``given`` labels' points are known."""
+        """Track all labels into the next frame; ``given``: known points by label."""
         frame = self._observe(number, given or {})
         searches = self._predict(frame)
         associated = self._associate(frame, self._register(frame, searches))
@@ -183,7 +183,7 @@ class Run:
         return self._learn(frame, associated, claims, states)
 
     def _observe(self, number: int, given: Mapping[int, I64]) -> FrameTask:
-        """Read a frame, and find out which points are known and which may be taken."""
+        """Read a frame, and determine its known and free points."""
         view = self.scene.view(number)
         view.people = self.people.labels
         rules = FrameRules(len(view.xyz), self.known(number), self.asked)
@@ -198,7 +198,7 @@ class Run:
         return FrameTask(view, rules, fixed, aside, free, sought)
 
     def _predict(self, frame: FrameTask) -> dict[int, Search]:
-        """Cut out the part of the frame around the predicted poses of each track in sight."""
+        """Crop the frame around the predicted poses of each visible track."""
         there = [track for track in frame.sought if not (track.absent or track.lost)]
         cut = {t.label: crop(t, frame.view, self.background, frame.free) for t in there}
         searches = {label: search for label, search in cut.items() if search is not None}
@@ -210,8 +210,7 @@ class Run:
         return Associations(frame.view, self.background, frame.free, found)
 
     def _associate(self, frame: FrameTask, registered: Associations) -> FrameAssociations:
-        """Settle what several tracks claim, search elsewhere for those that lost it, and for large
-        ones that were hidden."""
+        """Resolve conflicting claims, and search for lost tracks and for large occluded ones."""
         settled = settle_conflicts(self.tracks, registered)
         settled = find_astray(frame.sought, self.astray, settled)
         caps = self.swaps.meet(self.tracks, settled.registrations)
@@ -220,7 +219,7 @@ class Run:
         return FrameAssociations(associations, caps, hidden)
 
     def _label(self, associated: FrameAssociations) -> FrameClaims:
-        """Add points to each track's claim."""
+        """Extend each track's claim to new surface and connected points."""
         associations = associated.associations
         grown = grow(self.tracks, associations)
         labelled = grown.labelled
@@ -231,7 +230,7 @@ class Run:
     def _judge(
         self, frame: FrameTask, associated: FrameAssociations, claims: FrameClaims
     ) -> FrameOutcomes:
-        """Judge and update each track; people are followed together in what the others leave."""
+        """Judge and update each track; people are tracked jointly in the remaining points."""
         outcomes: dict[int, Outcome] = {}
         for track in frame.sought:
             n = track.label
@@ -249,7 +248,7 @@ class Run:
     def _manage(
         self, frame: FrameTask, associated: FrameAssociations, outcomes: FrameOutcomes
     ) -> dict[int, TrackState]:
-        """Conclude how each track fared, and begin those that a person has painted here."""
+        """Determine the state of each track, and start tracks of labels painted in this frame."""
         view = frame.view
         view.labels = frame.fixed | frame.aside
         states = self._conclude(view, frame.rules, frame.fixed, outcomes)
@@ -273,7 +272,7 @@ class Run:
         claims: FrameClaims,
         states: dict[int, TrackState],
     ) -> Held:
-        """Learn the background and what is beside each track; the result of the frame."""
+        """Update the background and each track's surroundings; return the frame's result."""
         view, fits = frame.view, associated.associations.registrations
         note_beside(self.tracks, view, associated.associations, claims.labelled)
         self.background.learn(view, keep=withheld(self.tracks, fits, view))
@@ -283,8 +282,10 @@ class Run:
         return Held(view, frame.free, FrameResult(view.number, found, states), associated.caps)
 
     def _set_aside(self, view: View, rules: FrameRules, fixed: dict[int, I64]) -> dict[int, I64]:
-        """Labels that are not asked for, and whose stored points are far from what is: they have
-        these, and are not followed.  Those that come near are begun anew from them, in ``fixed``.
+        """Return stored points by label of companions far from the requested labels.
+
+        They keep these points and are not tracked.  Companions that come near are restarted from
+        their stored points, in ``fixed``.
         """
         aside: dict[int, I64] = {}
         stored = self.companions.stored(rules, view.xyz)
@@ -307,7 +308,7 @@ class Run:
         return aside
 
     def _region(self, track: Track) -> tuple[F64, float]:
-        """Points (M, 3) of where a label is expected, and metres around them that it may take."""
+        """Return the expected points (M, 3) of a label, and the margin (m) it may move by."""
         near = self._near
         xyz = track.model.xyz[:: max(1, len(track.model.xyz) // near.sampled_points)]
         expected = transform_each(track.motion.predictions, xyz).reshape(-1, 3)
@@ -317,7 +318,7 @@ class Run:
     def _conclude(
         self, view: View, rules: FrameRules, fixed: Mapping[int, I64], outcomes: FrameOutcomes
     ) -> dict[int, TrackState]:
-        """Conclude the state of each track; its points go to ``view.labels``."""
+        """Return the state of each track, and write its points to ``view.labels``."""
         states: dict[int, TrackState] = {}
         for label, track in self.tracks.items():
             if label in fixed:
@@ -335,7 +336,7 @@ class Run:
         return states
 
     def _repainted(self, track: Track, view: View, points: I64) -> TrackState:
-        """Learn from a person's points: more of the same object, or all of it anew."""
+        """Update a track from painted points, or restart it if its model does not fit them."""
         self.swaps.forget(track.label)
         pose = None if track.label in self.people else corrected(track, view, points)
         if pose is None:
@@ -351,7 +352,7 @@ class Run:
         return _painted(len(points), pose)
 
     def _emerge(self, track: Track, view: View, points: I64) -> TrackState:
-        """Learn a large object anew from what came out of hiding; the rest may follow."""
+        """Restart a large object from its reappeared part."""
         options = self.options.track
         state = self._begin_anew(track, view, points)
         renewed = self.tracks[track.label]
@@ -378,7 +379,7 @@ _EMPTY: I64 = np.empty(0, np.int64)
 
 
 def _before(seeds: Sequence[Seed], known: FrameKnowledge | None) -> list[Seed]:
-    """The seeds as they are in another frame, without points where nothing is known of it."""
+    """Return the seeds with their points in another frame, empty if its labels are unknown."""
     if known is None:
         return [Seed(seed.label, _EMPTY) for seed in seeds]
     label = np.where(known.deleted, 0, known.label)
