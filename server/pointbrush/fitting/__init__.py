@@ -1,4 +1,4 @@
-"""Boxes fitted to a label's points over frames: what was seen, and a prior of the class's size.
+"""Boxes fitted to a label's points over frames, with a prior of the class's size.
 
 fit = fit_box(observations, priors_of("car"))
 """

@@ -1,7 +1,8 @@
 """Fit of one box to the points of an object over frames.
 
-What stays in place is one surface of all frames: direction by its outline, sides by where it ends.
-What moves is found frame by frame: sides, the path through them, the direction along it, in turn.
+The points of a static object form one surface over all frames: its outline determines the yaw, and
+its extent the sides.  A moving object is fitted frame by frame, alternating over sides, path and
+yaw.
 """
 
 from __future__ import annotations
@@ -27,8 +28,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedPose:
-    """Pose in a frame's source coordinates: ``centre`` (3,), ``quaternion`` (4,) x, y, z, w of
-    frame<-box, ``confidence`` 0..1."""
+    """Pose in a frame's source coordinates.
+
+    ``centre`` (3,); ``quaternion`` (4,): x, y, z, w of frame<-box; ``confidence``: 0 to 1.
+    """
 
     centre: Floats
     quaternion: Floats
@@ -37,8 +40,10 @@ class FittedPose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FittedBox:
-    """A fit: ``size`` (3,) length, width, height, metres; ``poses`` by frame; the ``kind`` of prior
-    that completed it; ``moves``: it moved; ``front_known``: its front is ahead, not perhaps behind.
+    """A fit.
+
+    ``size`` (3,): length, width, height in metres; ``poses``: by frame; ``kind``: the prior used;
+    ``moves``: whether the object moved; ``front_known``: whether the forward axis is certain.
     """
 
     size: Floats
@@ -55,7 +60,7 @@ def fit_box(
 ) -> FittedBox:
     """Fit a box of one size to an object; frames with too few points get no pose.
 
-    ``priors`` are the classes that it may be of.  Raises BadInputError for too few points in all.
+    ``priors``: its possible classes.  Raises BadInputError if all frames have too few points.
     """
     chosen = options or FitOptions()
     chosen.check()
@@ -78,7 +83,7 @@ def fit_box(
 
 
 def _still(views: list[View], level: Level, posed: bool = False) -> FittedBox:
-    """Turn a still object to its front, which is known if a sensor with poses passed the object."""
+    """Return a static object's fit turned to its front, known if a posed sensor passed it."""
     if level.prior.person:
         return _result(views, level, moves=False, known=False)
     seen = [

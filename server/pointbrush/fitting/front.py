@@ -1,8 +1,7 @@
-"""Front of a vehicle that does not move, by its shape.
+"""Front of a static vehicle, by its shape.
 
-The windscreen of a car, behind its bonnet, is farther from the end of the body than the rear window
-is: this gap is measured at both ends, at several heights.  The cab of a lorry is lower than its
-load.
+The windscreen of a car is farther from the end of the body than the rear window.  This gap is
+measured at both ends and several heights.  The cab of a lorry is lower than its load.
 """
 
 from __future__ import annotations
@@ -16,34 +15,34 @@ from pointbrush.fitting.observation import View
 
 Floats = NDArray[np.float64]
 BODY = (0.2, 0.6)
-"""Shares of the height between which a vehicle has its full length."""
+"""Range of shares of the height in which a vehicle has its full length."""
 SLICES = ((0.86, 1.02), (0.74, 0.9), (0.62, 0.78))
-"""Shares of the height between which the ends of the cabin are looked for; the last one is used if
-the others have too few points."""
+"""Ranges of shares of the height for the ends of the cabin; the last one is used if the others have
+too few points."""
 LEAST_POINTS = 8
-"""Points of a part of a vehicle from which on its ends are measured."""
+"""Minimum number of points of a part of a vehicle to measure its ends."""
 GAP = 0.8
-"""Metres; longer gaps are more likely those before a windscreen than those behind a rear window."""
+"""Metres; longer gaps are more likely at a windscreen than at a rear window."""
 GAP_SPREAD = 0.12
 """Metres of difference from ``GAP`` that make this likely."""
 UNSEEN = 0.4
 """Metres from the end of the points to the end of the box that halve the weight of a gap there."""
 SURE_GAP = 4.0
-"""Evidence of one gap at most, in units of ``GAP_SPREAD``."""
+"""Maximum evidence of one gap, in units of ``GAP_SPREAD``."""
 SURE = 1.0
-"""Mean evidence of the slices from which on the front is known."""
+"""Mean evidence of the slices from which the front is known."""
 CONTRADICTION = 0.5
 """Evidence of one slice for the opposite front that leaves the front unknown."""
 STEP = 0.2
 """Metres; a slice with shorter gaps at both ends is below the windows."""
 LONGEST_GAP = 1.8
-"""Metres; a longer gap is a part of the cabin that was not seen, or a load bed."""
+"""Metres; a longer gap is an unseen part of the cabin, or a load bed."""
 BED = 1.1
 """Metres; a car with such gaps at both ends has a load bed at one of them."""
 LARGE_LENGTH = 6.8
 """Metres; a longer vehicle is a lorry or a bus."""
 LARGE_HEIGHT = 2.75
-"""Metres; a higher vehicle is one, too."""
+"""Metres; a higher vehicle is a lorry or a bus."""
 CAB_LENGTH = 1.0
 """Metres: length of the ends of a lorry that are compared by height."""
 CAB_LOWER = 0.25
@@ -53,20 +52,20 @@ LOAD_HEIGHT = 2.6
 FLAT_HEIGHT = 1.5
 """Metres; a lower end is a flat bed."""
 PASSED = 1.0
-"""Metres that the sensor must have moved to know the front of an object that stays in place."""
+"""Minimum motion of the sensor, in metres, to know the front of a static object."""
 PASSED_POINTS = 60
-"""Points that it must have seen of this object in one frame."""
+"""Minimum number of the object's points in one of the frames."""
 
 
 class Front(NamedTuple):
-    """``direction``: 1 for the forward axis, -1 for its opposite; ``sure``: the points say so."""
+    """``direction``: 1 for the forward axis, -1 for its opposite; ``sure``: it is certain."""
 
     direction: int
     sure: bool
 
 
 def front_of(xyz: Floats, size: Floats) -> Front:
-    """Find the front of a vehicle by its points (n, 3) in the axes of its box."""
+    """Return the front of a vehicle by its points (n, 3) in the axes of its box."""
     along, height = xyz[:, 0], xyz[:, 2] / size[2] + 0.5
     body = along[(height > BODY[0]) & (height < BODY[1])]
     if len(body) < LEAST_POINTS:
@@ -91,8 +90,10 @@ def front_of(xyz: Floats, size: Floats) -> Front:
 def _slice_evidence(
     body: tuple[float, float], cabin: tuple[float, float], half: float
 ) -> float | None:
-    """Compare the gaps between the ends of the body and of the cabin: above 0 for a front ahead;
-    None for a slice that shows no cabin."""
+    """Return evidence of a front ahead, above 0, by the gaps between the ends of body and cabin.
+
+    None: the slice has no cabin.
+    """
     behind, ahead = cabin[0] - body[0], body[1] - cabin[1]
     if max(behind, ahead) < STEP or min(behind, ahead) > BED:
         return None
@@ -100,8 +101,10 @@ def _slice_evidence(
 
 
 def _windscreen(gap: float, unseen: float) -> float:
-    """Compute the evidence that a gap is that of a windscreen; ``unseen`` metres of the box are
-    beyond the points."""
+    """Return the evidence that a gap is at a windscreen.
+
+    ``unseen``: metres of the box beyond the points.
+    """
     if gap > LONGEST_GAP:
         return 0.0
     beyond = max(unseen, 0.0)
@@ -110,7 +113,7 @@ def _windscreen(gap: float, unseen: float) -> float:
 
 
 def _lower_end(along: Floats, height: Floats, body: tuple[float, float]) -> int:
-    """Find the cab of a lorry by its height: 1 for a cab ahead, -1 for one behind, 0: unknown."""
+    """Return the end of a lorry with the cab, by height: 1 ahead, -1 behind, 0 unknown."""
     ends = height[along < body[0] + CAB_LENGTH], height[along > body[1] - CAB_LENGTH]
     if min(map(len, ends)) < LEAST_POINTS:
         return 0
@@ -122,14 +125,17 @@ def _lower_end(along: Floats, height: Floats, body: tuple[float, float]) -> int:
 
 
 def _ends(along: Floats) -> tuple[float, float]:
-    """Compute both ends of points, without the two outermost of many."""
+    """Return both ends of points; the two outermost of many points are ignored."""
     ordered = np.sort(along)
     skipped = min(2, (len(ordered) - 1) // 8)
     return float(ordered[skipped]), float(ordered[-1 - skipped])
 
 
 def passed(views: list[View]) -> bool:
-    """Tell whether a sensor passed an object near enough to know its front; ``views`` are posed."""
+    """Return whether a sensor passed an object so near that its front is known.
+
+    ``views`` have poses.
+    """
     places = np.array([view.T_level_frame[:3, 3] for view in views])
     moved = float(np.linalg.norm(places - places[0], axis=1).max())
     return moved > PASSED and max(len(view.xyz) for view in views) >= PASSED_POINTS

@@ -1,4 +1,4 @@
-"""Fit of what moves: sides frame by frame, a smooth path through them, the direction along it."""
+"""Fit of a moving object: sides frame by frame, a smooth path through them, and yaws along it."""
 
 from __future__ import annotations
 
@@ -26,17 +26,20 @@ from pointbrush.fitting.yaw import outline_yaw, wrapped
 
 Floats = NDArray[np.float64]
 AXLE = 0.28
-"""Share of a vehicle's length from its middle back to the axle that does not steer."""
+"""Distance of the fixed axle behind the middle, as a share of a vehicle's length."""
 SLOW = 1.0
-"""Metres a second below which a vehicle's path says little of its direction."""
+"""Metres per second below which a vehicle's path hardly constrains its yaw."""
 OUTLINE_WITHIN = np.radians(12.0)
-"""Angle from the direction of the path within which that of the outline is looked for."""
+"""Maximum angle, in radians, between the direction of the path and the outline's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """First guess: the ``sides`` of each frame alone, sizes (k, 3) and ``priors`` chosen there, the
-    path (k, 2) of its centres, the ground (k,) under them, and whether it ``moves``."""
+    """Initial estimate from single frames.
+
+    ``sides``: sides of each frame; sizes (k, 3) and ``priors`` chosen there; path (k, 2) of the
+    centres, the ground (k,) below them, and whether the object ``moves``.
+    """
 
     sides: list[Sides]
     sizes: Floats
@@ -49,7 +52,7 @@ class Start:
 def start_of(
     views: list[View], posed: bool, priors: Sequence[SizePrior], options: FitOptions
 ) -> Start:
-    """Fit each frame alone, and decide whether the object moves."""
+    """Fit each frame separately, and decide whether the object moves."""
     sides, sizes, chosen, centres, ground = [], [], [], [], []
     for view in views:
         height = ground_height(view.xyz, view.others, options)
@@ -70,7 +73,7 @@ def start_of(
 
 
 def _moves(views: list[View], path: Floats, options: FitOptions) -> bool:
-    """Tell whether points fill fewer cells when they are taken back along the path."""
+    """Return whether points fill fewer cells after compensation of the motion along the path."""
     if float(np.linalg.norm(path - path[0], axis=1).max()) < options.moved:
         return False
     still, taken = (
@@ -88,7 +91,7 @@ def _filled(parts: list[Floats], options: FitOptions) -> int:
 def fit_moving(
     views: list[View], start: Start, priors: Sequence[SizePrior], options: FitOptions
 ) -> Level:
-    """Fit one size and a pose a frame."""
+    """Fit a common size and a pose for each frame."""
     times = np.array([view.time for view in views])
     prior = _class(start, priors)
     size = np.median(start.sizes, axis=0)
@@ -114,7 +117,7 @@ def fit_moving(
 
 
 def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:
-    """Choose the class under which most frames are likeliest."""
+    """Return the class that is the most likely one in most frames."""
     counts = [start.priors.count(prior) for prior in priors]
     return priors[int(np.argmax(counts))]
 
@@ -130,7 +133,7 @@ def _directions(
     views: list[View], start: Start, path: Floats, yaws: Floats, times: Floats, prior: SizePrior,
     size: Floats, options: FitOptions,
 ) -> Floats:  # fmt: skip
-    """Find the direction (k,) in each frame, by the path where it moves, and by outlines."""
+    """Return the yaw (k,) in each frame, by the path while it moves, and by outlines."""
     velocity = speeds(path, times)
     speed = np.linalg.norm(velocity, axis=1)
     if not start.moves or (speed < (options.walking if prior.person else SLOW)).all():
@@ -147,7 +150,7 @@ def _directions(
     turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
     slip = np.arctan(np.clip(AXLE * size[0] * turning / np.maximum(speed, SLOW), -0.5, 0.5))
     guess = along - slip
-    # A slow or a turning path says less.
+    # A slow or turning path is less reliable.
     far = np.clip(speed * min(options.path_seconds, float(times[-1] - times[0])), 0.1, None)
     path_noise = options.path_noise / far + np.abs(turning) * options.path_lag
     path_noise = np.clip(path_noise, np.radians(1), np.radians(25))
@@ -165,7 +168,7 @@ def _directions(
 
 
 def _by_outlines(views: list[View], yaws: Floats, times: Floats, options: FitOptions) -> Floats:
-    """Find directions by outlines alone: those of the frames, made to agree on what is ahead."""
+    """Return yaws by outlines alone, with a consistent forward direction over frames."""
     agreed = yaws.copy()
     for k in range(1, len(agreed)):  # the nearest of the two opposite directions
         agreed[k] = agreed[k - 1] + float(wrapped(yaws[k] - agreed[k - 1], np.pi))

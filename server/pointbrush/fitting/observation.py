@@ -1,4 +1,4 @@
-"""Observations of an object, a frame each, and their view in level coordinates."""
+"""Observations of an object, one per frame, and their views in level coordinates."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ NO_POINTS: Floats = np.zeros((0, 3))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """An object in one frame, source coordinates, metres.
+    """An object in one frame, in source coordinates and metres.
 
-    ``xyz`` (n, 3) its points; ``up`` (3,) the vertical; ``time`` seconds; ``sensor`` (3,) where
-    known; ``T_world_frame`` (4, 4) where the sensor's pose is known; ``others`` (m, 3) points that
-    are not the object's: the ground near it, and what its sensor sees behind and before it.
+    ``xyz`` (n, 3): its points; ``up`` (3,): the vertical; ``time``: seconds; ``sensor`` (3,): its
+    position, if known; ``T_world_frame`` (4, 4): pose of the sensor, if known; ``others`` (m, 3):
+    other points, on the ground nearby, and behind and in front of the object.
     """
 
     frame: int
@@ -43,10 +43,10 @@ class Observation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """An observation in level coordinates (z up) that all frames with poses share.
+    """An observation in level coordinates (z up), common to all frames with poses.
 
-    ``T_level_frame`` (4, 4); ``xyz`` (n, 3) without strays; ``eye`` (3,) or None; ``ends`` (m, 3)
-    of rays of the eye, the object's own first; ``others`` (k, 3).
+    ``T_level_frame`` (4, 4); ``xyz`` (n, 3): points without outliers; ``eye`` (3,) or None;
+    ``ends`` (m, 3): ends of the eye's rays, the object's own first; ``others`` (k, 3).
     """
 
     frame: int
@@ -61,8 +61,10 @@ class View:
 def near_rays(
     xyz: Floats, others: NDArray[np.floating], sensor: Floats | None, up: Floats, reach: float
 ) -> Floats:
-    """Choose the ``others`` (m, 3) that say something of an object: those round it, and those whose
-    rays pass it within ``reach`` metres in plan or end before it."""
+    """Return the ``others`` (m, 3) that constrain an object.
+
+    They are around it, or their rays pass within ``reach`` metres in plan or end in front of it.
+    """
     R = level_axes(up)
     plan = np.asarray(others, np.float64) @ R[:2].T
     middle = np.median(xyz, axis=0) @ R[:2].T
@@ -77,7 +79,7 @@ def near_rays(
 
 
 def level_axes(up: Floats) -> Floats:
-    """Make ``R_level_source`` (3, 3): rows forward, left, up; the identity for z up."""
+    """Return ``R_level_source`` (3, 3): rows forward, left, up; the identity for z up."""
     vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
     aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]
     forward = aside - vertical * (aside @ vertical)
@@ -86,9 +88,9 @@ def level_axes(up: Floats) -> Floats:
 
 
 def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[list[View], bool]:
-    """Place observations in common level coordinates; tell whether all frames have poses.
+    """Return views in common level coordinates, and whether all frames have poses.
 
-    Without a pose in each frame every frame is its own level coordinates.
+    Unless all frames have poses, each frame has separate level coordinates.
     """
     posed = all(each.T_world_frame is not None for each in observations)
     ups = [each.up / np.linalg.norm(each.up) for each in observations]
@@ -127,7 +129,7 @@ def _view(each: Observation, T: Floats, options: FitOptions) -> View:
 
 
 def without_strays(xyz: Floats, eye: Floats | None, options: FitOptions) -> Floats:
-    """Leave out small pieces apart from the rest: points that were painted beside the object."""
+    """Return the points without small separate components, painted beside the object."""
     if len(xyz) < 2 * options.least_points:
         return xyz
     away = 0.0 if eye is None else float(np.linalg.norm(np.median(xyz, axis=0) - eye))

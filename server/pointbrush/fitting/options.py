@@ -12,91 +12,92 @@ class FitOptions:
     """Settings of a fit; metres and degrees."""
 
     least_points: int = 4
-    """Points of a label that a frame needs at least to be fitted."""
+    """Minimum number of a label's points for the fit of a frame."""
     stray_gap: float = 0.4
-    """Metres between neighbours that part a label's points into pieces …"""
+    """Metres between neighbours that separate a label's points into components …"""
     stray_gap_angle: float = 0.02
-    """… and what a metre of distance from the sensor adds to it."""
+    """… plus this many metres per metre of distance from the sensor."""
     stray_share: float = 0.06
-    """Share of a label's points up to which a piece apart from the rest is left out."""
+    """Share of a label's points up to which a separate component is left out."""
     clearance: float = 0.2
-    """Metres above the ground below which points say nothing about sides."""
+    """Metres above the ground below which points are ignored for sides."""
     edge_depth: float = 0.15
     """Metres behind the outermost points within which points belong to a side."""
     edge_quantile: float = 0.85
-    """Quantile of these points, outward, at which the side is."""
+    """Quantile of these points, outward, at the side."""
     person_margin: float = 0.04
-    """Metres from the outermost points of a person or a two-wheeler to the sides: beams miss the
-    ends of limbs and handlebars."""
+    """Metres from the outermost points of a person or a two-wheeler to the sides, because beams
+    miss the ends of limbs and handlebars."""
     band: tuple[float, float] = (0.22, 0.5)
-    """Shares of the height between which a body is solid: rays that pass there say it is free."""
+    """Range of shares of the height in which a body is solid, so that passing rays mean free
+    space."""
     inner: float = 0.6
-    """Share of a side, at its middle, beside which rays say that it ends."""
+    """Share of a side, at its middle, beside which passing rays limit the box."""
     outer: float = 0.9
-    """The same share where a box reaches past its round corners, …"""
+    """The same share beyond the round corners of a box, …"""
     corner: float = 0.3
-    """… so many metres from its end."""
+    """… this many metres from its end."""
     bin_size: float = 0.05
-    """Metres; steps in which free space beside a side is looked for."""
+    """Metres; steps of the search for free space beside a side."""
     ray_cost: float = 0.5
-    """Nats that a ray through a box costs: some go through windows and under the body."""
+    """Cost, in nats, of a ray through a box: some pass through windows and below the body."""
     rays_spare: int = 2
-    """Rays through one step that count for nothing: they may be stray."""
+    """Number of ignored rays through one step: they may be outliers."""
     rays_most: int = 30
-    """Rays through one step that count, at most."""
+    """Maximum number of counted rays through one step."""
     frames_most: float = 4.0
-    """Frames whose rays count in full, at most: those of more are much alike."""
+    """Maximum number of frames with fully counted rays: rays of further frames are similar."""
     most_rays: int = 6000
-    """Rays of a frame that are looked at, at most."""
+    """Maximum number of rays of a frame."""
     ground_cell: float = 0.5
-    """Metres; width of the cells whose lowest points are the ground's."""
+    """Metres; width of the cells for the lowest points, on the ground."""
     ground_reach: float = 4.0
-    """Metres round an object within which its ground is looked for."""
+    """Metres around an object for the search of its ground."""
     yaw_step: float = 1.0
-    """Degrees between the directions that are tried first."""
+    """Degrees between the first candidate yaws."""
     yaw_fine: float = 0.1
-    """Degrees between those tried round the best."""
+    """Degrees between candidate yaws around the best one."""
     yaw_choices: int = 4
-    """Directions of the outline among which the likeliest sizes choose …"""
+    """Number of yaws by the outline, among which the likelihood of sizes decides …"""
     yaw_apart: float = 10.0
-    """… so many degrees apart at least …"""
+    """… at least this many degrees apart …"""
     yaw_nats: float = 30.0
-    """… and what points close to the sides count there, nats for all right at them."""
+    """… and the weight of closeness to the sides there, in nats if all points are on them."""
     yaw_cell: float = 0.06
-    """Metres; cells to whose means points are thinned for the search over yaw."""
+    """Metres; cells for thinning points to means in the search over yaw."""
     yaw_floor: float = 0.05
     """Metres from a side below which points count as being on it."""
     moved: float = 0.5
-    """Metres that an object must have gone to count as moving …"""
+    """Minimum path of a moving object in metres …"""
     sharper: float = 0.95
-    """… and the ratio to which this must shrink the cells that its points fill."""
+    """… and maximum ratio of the filled cells after compensation of the motion."""
     sharp_cell: float = 0.2
     """Metres; width of these cells."""
     headed: float = 1.0
-    """Metres that an object must have moved for its front to be known."""
+    """Minimum motion of an object, in metres, for a known front."""
     acceleration: float = 4.0
-    """Metres a second squared; standard deviation of a path's bend."""
+    """Metres per second squared; standard deviation of a path's acceleration."""
     side_noise: float = 0.06
-    """Metres; standard deviation of a side that was seen."""
+    """Metres; standard deviation of a visible side."""
     lshape_noise: float = 3.0
-    """Degrees; standard deviation of a direction by the sides of one frame …"""
+    """Degrees; standard deviation of a yaw by the sides of one frame …"""
     lshape_points: int = 60
-    """… that has so many points; more say more, down to a third of it."""
+    """… with this many points; it decreases with more points, down to a third."""
     path_seconds: float = 0.4
-    """Time over which a path tells a direction …"""
+    """Time, in seconds, over which a path determines a yaw …"""
     path_lag: float = 0.3
-    """… and by which it tells that of what turns late or early, seconds."""
+    """… and error in time of the yaw of a turning object, in seconds."""
     path_noise: float = 0.18
-    """Metres; standard deviation, across, of how far a path went in that time: its places move
-    with the sides that are seen."""
+    """Metres; standard deviation, across, of the path in that time: its positions shift with the
+    visible sides."""
     swerve: float = 80.0
-    """Degrees a second squared; what the rate of a vehicle's turn is likely to change by."""
+    """Degrees per second squared; standard deviation of the change of a vehicle's yaw rate."""
     person_swerve: float = 1000.0
-    """The same of somebody on foot."""
+    """The same of a pedestrian."""
     walking: float = 0.3
-    """Metres a second from which on somebody faces the way they go."""
+    """Metres per second from which a person faces the direction of motion."""
     rounds: int = 3
-    """Times that sides, path and direction of what moves are found in turn."""
+    """Number of alternations over sides, path and yaw of a moving object."""
 
     def check(self) -> None:
         """Check the numbers.  Raises BadInputError."""

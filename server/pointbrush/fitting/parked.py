@@ -1,4 +1,4 @@
-"""Fit of what stays in place, or is seen in one frame: one surface, one pose."""
+"""Fit of an object that is static or seen in one frame: one surface, one pose."""
 
 from __future__ import annotations
 
@@ -20,8 +20,10 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Level:
-    """A fit in level coordinates: ``size`` (3,), ``centres`` (k, 3), ``yaws`` (k,) radians,
-    ``confidence`` (k,)."""
+    """A fit in level coordinates.
+
+    ``size`` (3,), ``centres`` (k, 3), ``yaws`` (k,) in radians, ``confidence`` (k,).
+    """
 
     size: Floats
     centres: Floats
@@ -31,7 +33,7 @@ class Level:
 
 
 def rays_of(views: Sequence[View]) -> tuple[Floats, Floats]:
-    """Join the rays of views: eyes (m, 3) and ends (m, 3)."""
+    """Return the rays of all views: eyes (m, 3) and ends (m, 3)."""
     eyes = [np.broadcast_to(v.eye, v.ends.shape) for v in views if v.eye is not None]
     ends = [v.ends for v in views if v.eye is not None]
     if not ends:
@@ -55,7 +57,7 @@ def best_sides(
     xyz: Floats, eyes: Floats, ends: Floats, ground: float | None, priors: Sequence[SizePrior],
     options: FitOptions,
 ) -> tuple[Sides, Floats, SizePrior]:  # fmt: skip
-    """Choose the direction and the class under which the sizes are likeliest."""
+    """Return sides, size and class for the best yaw and class by the likelihood of sizes."""
     best = None
     for outline, close in outline_yaws(shell(xyz, ground, options), options):
         for prior in priors:
@@ -70,7 +72,7 @@ def best_sides(
 
 
 def shell(xyz: Floats, ground: float | None, options: FitOptions) -> Floats:
-    """Choose the points whose outline is the box's: above the ground and below the windows."""
+    """Return the points for the box's outline: above the ground and below the windows."""
     low = float(xyz[:, 2].min()) if ground is None else ground
     high = float(np.quantile(xyz[:, 2], 0.98))
     part = xyz[
@@ -80,13 +82,13 @@ def shell(xyz: Floats, ground: float | None, options: FitOptions) -> Floats:
 
 
 def world_centre(sides: Sides, size: Floats, options: FitOptions) -> Floats:
-    """Place a box of a size in level coordinates: its centre (3,)."""
+    """Return the centre (3,) of a box of a size in level coordinates."""
     middle = sides.middle(size, options.bin_size)
     middle[:2] = turn(sides.yaw) @ middle[:2]
     return np.asarray(middle)
 
 
 def confidence_of(sides: Sides, size: Floats, points: int) -> float:
-    """Compute the share of a box in plan that was seen, 0..1; less for few points."""
+    """Return the visible share of a box in plan, 0 to 1; it is lower for few points."""
     seen = np.clip(sides.seen[:2] / size[:2], 0, 1)
     return float((0.3 + 0.7 * seen.prod()) * min(1.0, 0.4 + points / 100))

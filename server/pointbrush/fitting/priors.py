@@ -1,4 +1,4 @@
-"""Sizes of classes: what a box is completed with where its object was not seen."""
+"""Sizes of classes, which complete boxes of partly seen objects."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from pointbrush.errors import BadInputError
 class SizePrior:
     """Mean and standard deviation of length, width and height of a class, metres.
 
-    ``person``: upright, of no edges, that faces the way it goes.  ``weight`` is the share of the
-    class among those that a name may mean.
+    ``person``: upright, without edges, facing the direction of motion.  ``weight``: share of the
+    class among all classes that a name may mean.
     """
 
     name: str
@@ -33,7 +33,7 @@ class SizePrior:
                 raise BadInputError(f"{name}: expected 3 numbers above 0 m, got {values}")
 
     def cost(self, size: NDArray[np.float64]) -> float:
-        """Compute the negative logarithm of a size's likelihood, up to a constant."""
+        """Return the negative log likelihood of a size, up to a constant."""
         off = (size - np.array(self.mean)) / np.array(self.spread)
         return float(0.5 * (off @ off) + np.log(self.spread).sum() - np.log(self.weight))
 
@@ -66,10 +66,10 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 def priors_of(
     category: str, known: Mapping[str, SizePrior] = BUILT_IN, names: Iterable[str] = ()
 ) -> list[SizePrior]:
-    """List the priors that a category may mean, those of ``known`` by its own name first.
+    """Return the priors that a category may mean; an exact name in ``known`` has precedence.
 
-    ``names`` are further words, such as the label's name.  A vehicle of no kind may be a car, a
-    van, a truck or a bus; what is not recognised may be any of all.
+    ``names``: further words, such as the label's name.  A generic vehicle may be a car, a van, a
+    truck or a bus; an unknown category may be any class.
     """
     by_name = {name.casefold(): prior for name, prior in known.items()}
     for text in (category, *names):

@@ -1,4 +1,4 @@
-"""Free space beside a box by the rays that pass there, and the ground under it."""
+"""Free space beside a box, by passing rays, and the ground below it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from pointbrush.fitting.options import FitOptions
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 BEFORE_END = 0.06
-"""Metres before a ray's end from which on it does not count as passing."""
+"""Metres before a ray's end in which it does not count as passing."""
 
 
 @innermost
 def within(eye: Floats, end: Floats, axis: int, low: Floats, high: Floats) -> tuple[float, float]:
-    """Find the part of a ray, from its eye (0) to its end (1), between bounds (3,) across an axis;
-    the last before the first where there is none."""
+    """Return the part of a ray, from its eye (0) to its end (1), between bounds (3,) of two axes.
+
+    ``axis`` is unbounded.  The second value is less than the first if there is no such part.
+    """
     length = 0.0
     for a in range(3):
         length += (end[a] - eye[a]) ** 2
@@ -61,9 +63,9 @@ def count_passing(
 
 
 def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | None:
-    """Find the height of the ground round points (n, 3) by the lowest of ``others`` in cells.
+    """Return the height of the ground around points (n, 3) by the lowest of ``others`` in cells.
 
-    Level coordinates; None where there is none.
+    The height is in level coordinates; None if there is no ground.
     """
     low, high = xyz.min(axis=0), xyz.max(axis=0)
     reach = options.ground_reach
@@ -81,7 +83,7 @@ def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | N
     np.minimum.at(lowest, group.ravel(), points[:, 2])
     if len(lowest) < 3:
         return None
-    # The lowest level that a good share of the cells has: pavements and walls are above it.
+    # The lowest level with a good share of the cells: pavements and walls are above it.
     levels = np.arange(lowest.min(), lowest.max() + 0.1, 0.05)
     shares = (np.abs(lowest[:, None] - levels) < 0.1).sum(axis=0)
     level = levels[int(np.argmax(shares >= 0.5 * shares.max()))]

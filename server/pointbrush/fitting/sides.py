@@ -1,7 +1,7 @@
-"""Sides of a box of known direction: where points end, how far it may reach, and its likely size.
+"""Sides of a box with a known yaw: ends of points, possible extent and likely size.
 
-Each side lies between the outermost points and the first free space beyond them.  What the sensor
-sees the front of is free right before it; what lies in its shadow is open.
+Each side lies between the outermost points and the first free space beyond them.  Space in front of
+a visible side is free; occluded space is open.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from pointbrush.fitting.yaw import upright
 
 Floats = NDArray[np.float64]
 CERTAIN = 1e3
-"""Nats of what is ruled out."""
+"""Cost, in nats, of an impossible size."""
 TIED = 0.05
 """Nats; costs that differ by less are equal."""
 SEEN_QUANTILE = 0.8
-"""Quantile over frames of the sizes seen: in some frames points were painted outside."""
+"""Quantile over frames of visible sizes: some frames have points painted outside."""
 OPEN = 4.0
-"""Standard deviations above the mean of a class to which an open side may reach."""
+"""Maximum size with an open side, in standard deviations above the mean of a class."""
 FACING = 0.5
-"""Cosine between a side's direction and the sensor's from which on the sensor faces it."""
+"""Minimum cosine between the directions of a side and of the sensor for a facing side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sides:
-    """Sides along x, y, z of a box's direction, level coordinates turned by ``yaw``.
+    """Sides along x, y, z of a box, in level coordinates rotated by ``yaw``.
 
-    ``low`` and ``high`` (3,) metres: where points end.  For each axis: ``costs`` (n,) nats of
-    growing by 0, 1, … bins beyond them, where that costs least, and the ``shares`` (n,) of it that
-    go beyond ``high``.
+    ``low`` and ``high`` (3,): ends of points, in metres.  For each axis, ``costs`` (n,): minimum
+    cost, in nats, of growing by 0, 1, … bins beyond them; ``shares`` (n,): share of the growth
+    beyond ``high``.
     """
 
     yaw: float
@@ -47,11 +47,11 @@ class Sides:
 
     @property
     def seen(self) -> Floats:
-        """Sizes (3,) that were seen."""
+        """Visible size (3,)."""
         return np.asarray(self.high - self.low)
 
     def middle(self, size: Floats, step: float) -> Floats:
-        """Place a box of a size (3,): its centre (3,), grown where that costs least."""
+        """Return the centre (3,) of a box of a size (3,), grown at the minimum cost."""
         over = size - self.seen
         share = np.full(3, 0.5)
         for axis, shares in enumerate(self.shares):
@@ -61,15 +61,17 @@ class Sides:
         return np.asarray((self.low + self.high) / 2 + over * (share - 0.5))
 
     def slack(self, size: Floats) -> Floats:
-        """Metres (3,) along which a box of a size may lie elsewhere, about."""
+        """Return the approximate uncertainty (3,) of the position of a box of a size, in metres."""
         over = np.maximum(size - self.seen, 0)
         two_ways = [float(np.abs(shares - 0.5).max(initial=0) < 0.4) for shares in self.shares]
         return np.asarray(over * two_ways)
 
 
 def grown(below: Floats, above: Floats) -> tuple[Floats, Floats]:
-    """Combine the costs (n,) of growing to either side by 0, 1, … bins: the least cost (n,), and
-    the share that goes above; the middle of the ways that cost the same."""
+    """Return minimum costs (n,) of growing by 0, 1, … bins in total, and shares (n,) above.
+
+    ``below`` and ``above`` (n,): costs of each side.  The share is a mean over equal costs.
+    """
     total = np.arange(len(above))
     up = total[:, None]
     down = total - up
@@ -84,9 +86,9 @@ def grown(below: Floats, above: Floats) -> tuple[Floats, Floats]:
 def likely_size(
     parts: Sequence[Sides], prior: SizePrior, options: FitOptions
 ) -> tuple[Floats, float]:
-    """Choose the likeliest size (3,) of an object seen in some frames, and its cost in nats.
+    """Return the most likely size (3,) of an object seen in some frames, and its cost in nats.
 
-    It holds what was seen and keeps out of free space as far as the class allows.
+    It contains the visible size and avoids free space as far as the class allows.
     """
     seen = np.quantile([part.seen for part in parts], SEEN_QUANTILE, axis=0)
     step, weight = options.bin_size, min(1.0, options.frames_most / len(parts))
@@ -105,9 +107,9 @@ def likely_size(
 
 
 def edge(values: Floats, facing: bool, options: FitOptions) -> float:
-    """Find the end of points along an axis, upward; of few points: the outermost.
+    """Return the upper end of points along an axis; for few points, the outermost one.
 
-    Noise of the range lies before and behind a side that ``facing`` the sensor.
+    Range noise spreads points on both sides of a side ``facing`` the sensor.
     """
     if len(values) < 40:
         return float(values.max())
@@ -121,9 +123,9 @@ def find_sides(
     xyz: Floats, eyes: Floats, ends: Floats, yaw: float, ground: float | None, prior: SizePrior,
     options: FitOptions,
 ) -> Sides:  # fmt: skip
-    """Find the sides of points (n, 3) in the direction ``yaw``.
+    """Return the sides of points (n, 3) for a ``yaw``.
 
-    ``eyes`` and ``ends`` (m, 3) are rays; without any each side ends where points do.
+    ``eyes`` and ``ends`` (m, 3) are rays; without rays, sides are at the ends of the points.
     """
     R = upright(yaw)
     points = xyz @ R
@@ -152,7 +154,7 @@ def find_sides(
                        floor, float(mean[2]), options)
             for sign in (-1.0, 1.0)
         )  # fmt: skip
-        if axis == 2:  # the bottom is the ground's
+        if axis == 2:  # the bottom is on the ground
             below = np.where(np.arange(counts[2]) > 0, CERTAIN, 0.0)
         cost, share = grown(below, above)
         costs.append(cost)
@@ -164,8 +166,10 @@ def _into_free(
     eyes: Floats, ends: Floats, axis: int, sign: float, side: Floats, count: int, low: Floats,
     high: Floats, floor: float, height: float, options: FitOptions,
 ) -> Floats:  # fmt: skip
-    """Compute the costs (count,) of growing beyond a side by 0, 1, … bins, nats, by the rays that
-    pass there: by those through the middle of what it grows, and those near its corners."""
+    """Return the costs (count,), in nats, of growing beyond a side by 0, 1, … bins.
+
+    They count passing rays through the middle of the growth and near its corners.
+    """
     cost = np.zeros(count)
     if not len(ends) or count < 2:
         return cost
@@ -183,7 +187,7 @@ def _into_free(
 
 
 def _grown(low: Floats, high: Floats, eye: Floats | None, mean: Floats) -> tuple[Floats, Floats]:
-    """Grow what was seen away from the eye to the mean size of the class."""
+    """Return the visible bounds grown away from the eye to the mean size of the class."""
     lower, higher = low.copy(), high.copy()
     for axis in range(2):
         more = max(float(mean[axis] - (high - low)[axis]), 0.0)
@@ -201,7 +205,7 @@ def _grown(low: Floats, high: Floats, eye: Floats | None, mean: Floats) -> tuple
 def _window(
     low: Floats, high: Floats, floor: float, height: float, inner: float, options: FitOptions
 ) -> tuple[Floats, Floats]:
-    """Bounds (3,), (3,) of the space beside sides that rays must pass through."""
+    """Return bounds (3,), (3,) of the space beside sides for passing rays."""
     middle, half = (low + high) / 2, (high - low) / 2 * inner
     a, b = middle - half, middle + half
     a[2], b[2] = floor + options.band[0] * height, floor + options.band[1] * height

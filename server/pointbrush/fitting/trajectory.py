@@ -1,4 +1,4 @@
-"""Smooth paths through places that were found frame by frame."""
+"""Smooth paths through positions found frame by frame."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pointbrush.fitting.yaw import wrapped
 
 Floats = NDArray[np.float64]
 HUBER = 2.0
-"""Standard deviations from the path beyond which a place counts less."""
+"""Standard deviations from the path beyond which a position has a lower weight."""
 PASSES = 4
 
 
 def bends(times: Floats) -> Floats:
-    """Make the matrix (k - 2, k) of second derivatives at unevenly spaced times (k,) seconds."""
+    """Return the matrix (k - 2, k) of second derivatives at uneven times (k,) in seconds."""
     rows = np.zeros((max(len(times) - 2, 0), len(times)))
     for k in range(len(rows)):
         a, b = times[k + 1] - times[k], times[k + 2] - times[k + 1]
@@ -23,16 +23,17 @@ def bends(times: Floats) -> Floats:
 
 
 def _weighted_bends(times: Floats) -> Floats:
-    """Weigh the matrix of ``bends``: one lasts as long as the frames beside it, and says more."""
+    """Return the matrix of ``bends`` with rows weighted by the duration of adjacent intervals."""
     return np.asarray(bends(times) * np.sqrt((times[2:] - times[:-2]) / 2)[:, None] * 2)
 
 
 def smooth_path(
     places: Floats, noise: Floats, yaws: Floats, times: Floats, acceleration: float
 ) -> Floats:
-    """Smooth places (k, 2); ``noise`` (k, 2) metres along and across ``yaws`` (k,) radians.
+    """Return smoothed positions (k, 2).
 
-    ``acceleration`` metres a second squared is what the path's bends are likely to be.
+    ``noise`` (k, 2): metres along and across ``yaws`` (k,), in radians; ``acceleration``: standard
+    deviation of the path's acceleration in metres per second squared.
     """
     k = len(places)
     if k < 3:
@@ -55,9 +56,9 @@ def smooth_path(
 
 
 def smooth_angles(angles: Floats, noise: Floats, times: Floats, swerve: float) -> Floats:
-    """Smooth angles (k,) radians of standard deviations ``noise`` (k,).
+    """Return smoothed angles (k,) in radians, with standard deviations ``noise`` (k,).
 
-    ``swerve`` radians a second squared is what the rate of their turn is likely to change by.
+    ``swerve``: standard deviation of the change of the yaw rate in radians per second squared.
     """
     unwrapped = np.unwrap(angles)
     if len(angles) < 3:
@@ -73,7 +74,7 @@ def smooth_angles(angles: Floats, noise: Floats, times: Floats, swerve: float) -
 
 
 def speeds(path: Floats, times: Floats) -> Floats:
-    """Compute velocities (k, 2) metres a second along a path (k, 2)."""
+    """Return velocities (k, 2), in metres per second, along a path (k, 2)."""
     if len(path) < 2:
         return np.zeros_like(path)
     return np.asarray(np.gradient(path, times, axis=0))

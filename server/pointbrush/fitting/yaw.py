@@ -1,6 +1,6 @@
-"""Direction of an object by its outline in plan: one, two or three sides of a rectangle.
+"""Yaw of an object by its outline in plan: one, two or three sides of a rectangle.
 
-Search over yaw for the rectangle to whose sides points are closest (the closeness criterion of
+A search over yaw finds the rectangle with sides closest to the points (the closeness criterion of
 Zhang, Xu, Dong and Dolan, "Efficient L-shape fitting for vehicle detection", IV 2017).
 """
 
@@ -17,25 +17,25 @@ TRIM = 0.01
 
 
 def turn(yaw: float) -> Floats:
-    """Make the rotation (2, 2) by ``yaw`` radians."""
+    """Return the rotation (2, 2) by ``yaw`` radians."""
     c, s = np.cos(yaw), np.sin(yaw)
     return np.array([[c, -s], [s, c]])
 
 
 def upright(yaw: float) -> Floats:
-    """Make the rotation (3, 3) by ``yaw`` radians about the vertical."""
+    """Return the rotation (3, 3) by ``yaw`` radians about the vertical."""
     R = np.eye(3)
     R[:2, :2] = turn(yaw)
     return R
 
 
 def wrapped(angle: float | Floats, period: float = 2 * np.pi) -> Floats:
-    """Bring angles to half a period round 0."""
+    """Return angles wrapped to half a period around 0."""
     return np.asarray((np.asarray(angle) + period / 2) % period - period / 2)
 
 
 def thinned(plan: Floats, cell: float) -> Floats:
-    """Replace points (n, 2) by the mean of each cell, so that area counts and not density."""
+    """Return the mean of the points (n, 2) in each cell, for a uniform density."""
     _, group, counts = np.unique(
         np.floor(plan / cell), axis=0, return_inverse=True, return_counts=True
     )
@@ -44,7 +44,7 @@ def thinned(plan: Floats, cell: float) -> Floats:
 
 
 def closeness(plan: Floats, yaws: Floats, floor: float) -> Floats:
-    """Score directions (k,) by how close points (n, 2) are to the sides of a rectangle."""
+    """Return scores (k,) of yaws by the closeness of points (n, 2) to a rectangle's sides."""
     c, s = np.cos(yaws), np.sin(yaws)
     scores = np.full((2, len(plan), len(yaws)), np.inf)
     for axis, (x, y) in enumerate(((c, s), (-s, c))):
@@ -56,9 +56,9 @@ def closeness(plan: Floats, yaws: Floats, floor: float) -> Floats:
 
 
 def outline_yaws(xyz: Floats, options: FitOptions) -> list[tuple[float, float]]:
-    """List the likeliest directions of the sides of points (n, 3), modulo a right angle.
+    """Return the most likely yaws of the sides of points (n, 3), modulo a right angle.
 
-    Radians, 0 to half pi, and how close the points are to the sides, 0..1.
+    Yaws are in radians, 0 to half pi, each with the closeness of points to the sides, 0 to 1.
     """
     plan = thinned(xyz[:, :2] - xyz[:, :2].mean(axis=0), options.yaw_cell)
     step = np.radians(options.yaw_step)
@@ -79,7 +79,7 @@ def outline_yaws(xyz: Floats, options: FitOptions) -> list[tuple[float, float]]:
 
 
 def outline_yaw(xyz: Floats, around: float, within: float, options: FitOptions) -> float:
-    """Find the direction of the sides of points (n, 3), radians, ``within`` of ``around``."""
+    """Return the yaw of the sides of points (n, 3), in radians, ``within`` of ``around``."""
     plan = thinned(xyz[:, :2] - xyz[:, :2].mean(axis=0), options.yaw_cell)
     step = np.radians(options.yaw_step)
     yaws = around + np.arange(-within, within + step / 2, step)
