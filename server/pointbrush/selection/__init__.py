@@ -1,4 +1,4 @@
-"""A stroke and a frame in, the numbers of the points it takes out: one module per shape."""
+"""Selection of point numbers in a frame by strokes; each brush shape is a module."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def box(
     size: NDArray[np.float64],
     rotation: NDArray[np.float64],
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points in the box; sorted, in parts.
+    """Yield the sorted numbers of the points in the box, in parts.
 
     ``center`` (3,) local metres, ``size`` (3,) full edges, ``rotation`` (3, 3) box axes as columns.
     """
@@ -88,7 +88,7 @@ BOX = Shape(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clip:
-    """A box with the parameters of the shape ``box``; what lies on its faces is inside."""
+    """A box with the parameters of the shape ``box``, faces included."""
 
     values: Values
 
@@ -123,11 +123,11 @@ class Clip:
         return inside(xyz, values["center"], values["size"], rotation_of(values["quaternion"]))
 
     def of(self, points: Points, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return those of stored ``numbers`` (n,) that lie inside."""
+        """Return the stored ``numbers`` (n,) of points inside."""
         return numbers[self.holds(points.xyz[numbers])]
 
     def alive(self, points: Points, alive: Alive | None) -> Alive:
-        """Mark the points rays can hit: those inside among the ones that are ``alive``."""
+        """Return a function that marks points that rays can hit: ``alive`` ones inside."""
 
         def both(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
             held = self.holds(points.xyz[numbers])
@@ -139,5 +139,5 @@ class Clip:
 
 
 def clipped(clip: Clip | None, points: Points, alive: Alive | None) -> Alive | None:
-    """Mark the points rays can hit with ``clip`` over them, where there is one."""
+    """Return a function that marks points that rays can hit, limited to ``clip`` if given."""
     return alive if clip is None else clip.alive(points, alive)

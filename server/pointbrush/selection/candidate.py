@@ -17,11 +17,11 @@ from pointbrush.selection.shape import (
 )
 
 MOST_RAYS = 64
-"""Rays of one object, of either kind."""
+"""Maximum rays of one object, of each kind."""
 MOST_LEVELS = 6
-"""Candidates of one answer."""
+"""Maximum candidates of one answer."""
 MOST_NAME = 64
-"""Characters of a candidate's id."""
+"""Maximum characters of a candidate's id."""
 
 
 def _by_candidate(_at: Selecting) -> Parts:

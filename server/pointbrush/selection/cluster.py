@@ -1,8 +1,7 @@
-"""Cluster: all that stands within a gap of each other round a point, without the ground under it.
+"""Cluster: points around a place connected by gaps up to a limit, without the ground.
 
-Euclidean clustering after the ground is taken away, as Rusu, "Semantic 3D object maps" (2009); the
+Euclidean clustering after removal of the ground, as in Rusu, "Semantic 3D object maps" (2009); the
 ground is a lower envelope of the heights, which follows slopes and kerbs.
-Points hang together in parts with a gap between them.
 """
 
 from __future__ import annotations
@@ -20,17 +19,17 @@ from pointbrush.selection.ray import region_shape
 from pointbrush.selection.sphere import swept_ball
 
 NEIGHBOUR = 8
-"""The neighbour whose distance says how dense points are."""
+"""Index of the neighbour used for the density of points."""
 USUAL_SHARE = 0.9
-"""Share of the points whose distance to that neighbour is usual."""
+"""Share of the points with a usual distance to that neighbour."""
 GAP_FACTOR = 1.5
-"""Times that distance from which a gap is none of a surface."""
+"""Ratio of a gap to that distance from which it is not within a surface."""
 SAMPLED = 4000
-"""Points of which it is asked."""
+"""Number of sampled points."""
 TOUCHING = 1.8
-"""Cells between the middles of two that touch: those at a corner are √3 apart."""
+"""Maximum distance of touching cells, in cells: √3 at a corner."""
 FEWEST = 3
-"""Points that have a usual distance."""
+"""Minimum number of points for a usual distance."""
 
 
 def usual_gap(xyz: NDArray[np.floating]) -> float:
@@ -47,9 +46,9 @@ def usual_gap(xyz: NDArray[np.floating]) -> float:
 def connected_parts(xyz: NDArray[np.floating], gap: float) -> NDArray[np.int64]:
     """Return the part of each of points (n, 3): 0 is the largest, 1 the next, and so on.
 
-    Two points are of one part when a chain of points leads from one to the other without a step
-    longer than ``gap`` metres.  Steps up to 1.7 times as long may count, since space is cut into
-    cells of half a gap, and cells that touch hang together.
+    Two points are in one part if a chain of points without a step longer than ``gap`` metres
+    connects them.  Steps up to 1.7 times as long may count, because the points are grouped in cells
+    of half a gap, and touching cells are connected.
     """
     if len(xyz) == 0:
         return np.empty(0, np.int64)
@@ -62,9 +61,9 @@ def connected_parts(xyz: NDArray[np.floating], gap: float) -> NDArray[np.int64]:
 
 
 def touching(at: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return a number (n,) for each point's cell ``at`` (n, 3): the same for cells that touch.
+    """Return the connected component (n,) of each point's cell ``at`` (n, 3).
 
-    In chains, corners included.
+    Cells that touch, also at a corner, are connected.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -81,13 +80,13 @@ class ClusterOptions:
     """Tunable numbers of the cluster tool."""
 
     reach: float = 15.0
-    """Metres round the place met in which a cluster and its ground are looked for."""
+    """Metres around the hit for the search of a cluster and its ground."""
     most: int = 1_500_000
-    """Points that are looked at; where there are more the reach is halved."""
+    """Maximum points of the search; if there are more, the reach is halved."""
     least_clearance: float = 0.03
-    """Metres over the ground up to which points are ground at any radius: noise."""
+    """Metres above the ground up to which points are ground at any radius, for noise."""
     most_clearance: float = 0.2
-    """The greatest such height, metres; between the two it is the radius."""
+    """Maximum of this height, in metres; between the two it is the radius."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""
@@ -105,11 +104,11 @@ GROUND = GroundOptions()
 def cluster(
     points: Points, hit: NDArray[np.float64], radius: float, alive: Alive | None = None
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the cluster that holds the point nearest to ``hit`` (3,) local metres; sorted.
+    """Yield sorted numbers of the cluster of the point nearest to ``hit`` (3,), in local metres.
 
-    Two points are of one cluster when a chain of points without a step longer than ``radius``
-    leads from one to the other; steps up to 1.7 times as long may count.  Nothing where only
-    ground lies within ``radius`` of the place.
+    Two points are in one cluster if a chain of points without a step longer than ``radius``
+    connects them; steps up to 1.7 times as long may count.  The cluster is empty if only ground is
+    within ``radius`` of the place.
     """
     from pointbrush.selection.objects.cells import height_over_ground  # brings Numba
 
@@ -136,7 +135,7 @@ def cluster(
 
 
 def _surroundings(points: Points, hit: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Return numbers of the points round a place, as far as there are not too many."""
+    """Return numbers of the points around a place; the radius is reduced if there are too many."""
     reach, first = OPTIONS.reach, points.blocks.first
     while True:
         near = points.blocks_in_box(hit - reach, hit + reach)

@@ -1,4 +1,4 @@
-"""Fill: the connected region of like colour and normal round a point (region growing).
+"""Fill: connected region of similar colour and normal around a point (region growing).
 
 After Rabbani, van den Heuvel and Vosselman, "Segmentation of point clouds using smoothness
 constraint" (ISPRS 2006), with a colour criterion; grown in waves so that it is vectorised.
@@ -21,24 +21,24 @@ if TYPE_CHECKING:
 
 NEIGHBOURS = 16
 MAX_TURN = np.cos(np.radians(35.0))
-"""Cosine of the greatest angle between the normals of two neighbours of one surface."""
+"""Cosine of the maximum angle between the normals of neighbours on one surface."""
 SURFACE = 0.15
-"""Share of variance across the surface above which a normal is too uncertain to forbid."""
+"""Share of variance across the surface above which a normal is too uncertain to count."""
 LIKE_NEIGHBOUR = 32.0
 LIKE_SEED = 80.0
-"""Greatest colour distances (RGB, 0..255 each) to the neighbour and to the seed."""
+"""Maximum colour distances (RGB, 0..255 each) to the neighbour and to the seed."""
 REACH, LEAST_REACH, MOST = 5.0, 0.05, 4_000_000
-"""Metres round the seed that are searched where the frame has no tree of its own, and points."""
+"""Metres of the search around the seed in frames without a tree, and maximum points."""
 
 
 def grow(
     points: Points, seed: NDArray[np.float64], radius: float, alive: Alive | None = None
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the region that holds the point nearest to ``seed`` (3,), in waves, each sorted.
+    """Yield numbers of the region of the point nearest to ``seed`` (3,), in waves, each sorted.
 
-    Neighbours belong together when they are nearer than ``radius`` and than a few times the
-    cloud's spacing there, alike in colour (where there is colour) and in normal.  Points that are
-    not ``alive`` are no part of the region and no bridge in it.
+    Neighbours belong together if they are closer than ``radius`` and than a few times the local
+    spacing, and similar in colour (if available) and in normal.  Points that are not ``alive`` are
+    not part of the region and do not connect it.
     """
     members = None
     if points.kdtree is not None:
@@ -65,7 +65,7 @@ def grow(
 def _nearest(
     tree: cKDTree, seed: NDArray[np.float64], barred: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """The point nearest to the seed, (1,), that is not ``barred`` (N,); (0,) without any."""
+    """Return the point (1,) nearest to the seed that is not ``barred`` (N,); (0,): none."""
     most = 1
     while True:
         near = np.atleast_1d(tree.query(seed, k=min(most, len(barred)))[1]).astype(np.int64)
@@ -76,8 +76,10 @@ def _nearest(
 
 
 def _reach(points: Points, seed: NDArray[np.float64]) -> float:
-    """Reach of the search round the seed: less where the scan is so dense that a tree of all that
-    lies there would not fit in memory."""
+    """Return the radius of the search around the seed.
+
+    It is reduced in dense scans, so that a tree of its points fits in memory.
+    """
     reach, first = REACH, points.blocks.first
     while reach > LEAST_REACH:
         near = points.blocks_in_box(seed - reach, seed + reach)
@@ -95,7 +97,7 @@ def _grow_waves(
     radius: float,
     seen: NDArray[np.bool_],
 ) -> Iterator[NDArray[np.int64]]:
-    """The region round ``start`` (1,), without what is ``seen`` (N,), which is written to."""
+    """Yield the region around ``start`` (1,) without ``seen`` points (N,), and update ``seen``."""
     yield start
     seen[start] = True
     seed_rgb = None if rgb is None else rgb[start[0]].astype(np.float32)
@@ -106,7 +108,7 @@ def _grow_waves(
         parents, slots = np.nonzero((links < len(xyz)) & ~seen[np.minimum(links, len(xyz) - 1)])
         reached, first = np.unique(links[parents, slots], return_index=True)
         parents = parents[first]
-        # 2. Like colour.
+        # 2. Similar colour.
         if rgb is not None and seed_rgb is not None:
             colour = rgb[reached].astype(np.float32)
             step = np.linalg.norm(colour - rgb[frontier[parents]], axis=1)
@@ -116,8 +118,8 @@ def _grow_waves(
             reached, parents = reached[like], parents[like]
         if len(reached) == 0:
             break
-        # 3. Like normal.  A point whose own normal is uncertain (noise, an edge) takes that of its
-        #    parent, so that the region does not turn a corner through it.
+        # 3. Similar normal.  A point with an uncertain normal (noise, an edge) takes its parent's
+        #    normal, so that the region does not turn a corner through it.
         next_links, next_normals, next_certain = _surroundings(xyz, tree, reached, radius)
         turn = np.abs(np.einsum("ij,ij->i", next_normals, normals[parents]))
         keep = (turn >= MAX_TURN) | ~next_certain | ~certain[parents]
@@ -133,7 +135,7 @@ def _grow_waves(
 def _surroundings(
     xyz: NDArray[np.float32], tree: cKDTree, numbers: NDArray[np.int64], radius: float
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Linked neighbours (n, k) padded with ``len(xyz)``, unit normals (n, 3), certainty (n,)."""
+    """Return neighbours (n, k) padded with ``len(xyz)``, normals (n, 3), certainty (n,)."""
     k = min(NEIGHBOURS, len(xyz))
     distance, neighbour = tree.query(xyz[numbers], k=k, distance_upper_bound=radius)
     distance = np.asarray(distance).reshape(-1, k)

@@ -15,7 +15,7 @@ from pointbrush.selection.shape import Numbers, Parameter, Parts, Selecting, Sha
 def lasso(
     points: Points, polygon: NDArray[np.float64], matrix: NDArray[np.float64]
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points whose projection lies in ``polygon``; sorted, in parts.
+    """Yield sorted numbers of the points with a projection inside ``polygon``, in parts.
 
     ``polygon`` (V, 2) in normalised device coordinates, even-odd rule; ``matrix`` (4, 4)
     ``clip_from_local``.  Points behind the camera's near plane are never taken.
@@ -45,7 +45,10 @@ def lasso(
 def inside_polygon(
     x: NDArray[np.float64], y: NDArray[np.float64], polygon: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Even-odd rule: an edge counts when the horizontal line to the right crosses it."""
+    """Return a mask of points inside a polygon by the even-odd rule.
+
+    An edge counts if the horizontal line to the right crosses it.
+    """
     inside = np.zeros(len(x), np.bool_)
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         if y0 == y1:

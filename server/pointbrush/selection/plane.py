@@ -1,10 +1,10 @@
-"""Ground and walls: the flat surface that a ray meets, as far as it hangs together.
+"""Ground and walls: the connected flat surface that a ray hits.
 
-A plane is fitted round the point that was met by least squares over ever wider surroundings, each
-time with the points near the plane found so far (iterative trimming); where the first
-surroundings hold an edge, the best of a fixed set of planes through the point begins (the
-hypotheses of RANSAC, Fischler and Bolles 1981, without its dice).  Nothing here is random.
-Its connected part is found in several passes over the points near it.
+A plane is fitted to the hit's neighbourhood by least squares, with increasing radii and the points
+near the current plane (iterative trimming).  If the first neighbourhood has an edge, the fit starts
+from the best of a fixed set of planes through the point (hypotheses as in RANSAC, Fischler and
+Bolles 1981, but deterministic).
+The connected part is found in several passes over the points near the plane.
 """
 
 from __future__ import annotations
@@ -23,39 +23,39 @@ Vector = NDArray[np.float64]
 Keys = NDArray[np.int64]
 
 BESIDE = 4.0
-"""Thicknesses of a surface within which objects that stand on it show."""
+"""Distance, in thicknesses of a surface, within which objects on it are detected."""
 
 HYPOTHESES = 24
-"""Points round the hit whose pairs, with the hit, are the first planes."""
+"""Number of points around the hit; pairs of them define, with the hit, the first planes."""
 WIDENING = (1.0, 2.0, 4.0, 8.0)
-"""Surroundings of the fit, in brush radii."""
+"""Neighbourhoods of the fit, in brush radii."""
 MOST = 20_000
-"""Points that a fit looks at."""
+"""Maximum points of a fit."""
 ENOUGH = 30
-"""Points that a first plane is fitted to: with fewer the noise tilts it."""
+"""Minimum points of a first plane: with fewer, noise tilts it."""
 THINNEST, SEARCHED, THICKEST = 0.02, 0.2, 0.5
-"""Least half thickness of the surface, of the slab it is searched in, and the greatest one."""
+"""Half thicknesses of a surface: minimum, of the searched slab, and maximum."""
 DEVIATIONS = 3.0
 NOISE = 1.4826
-"""Standard deviations for one median absolute deviation, normal noise."""
+"""Ratio of standard deviation to median absolute deviation of normal noise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plane:
-    """``normal`` (3,) of length 1; ``normal · p = height``; points within ``thick`` are on it."""
+    """``normal`` (3,): unit vector; ``normal · p = height``; points within ``thick`` are on it."""
 
     normal: Vector
     height: float
     thick: float
 
     def off(self, xyz: NDArray[np.floating]) -> Vector:
-        """Signed distances of points (n, 3) from the plane, metres."""
+        """Return signed distances of points (n, 3) from the plane, in metres."""
         return np.asarray(xyz, np.float64) @ self.normal - self.height
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Near:
-    """Points near a plane: ``numbers`` (n,), ``off`` (n,) metres from it, ``flat`` (n, 2) in it."""
+    """Points near a plane: ``numbers`` (n,), distances ``off`` (n,), and ``flat`` (n, 2) in it."""
 
     numbers: NDArray[np.int64]
     off: Vector
@@ -63,7 +63,7 @@ class _Near:
 
 
 class Surface:
-    """The points on a plane that hang together with ``hit`` (3,) local metres."""
+    """The points on a plane connected with ``hit`` (3,), in local metres."""
 
     def __init__(
         self, points: Points, found: Plane, hit: Vector, radius: float, alive: Alive | None = None
@@ -78,13 +78,13 @@ class Surface:
         self.count = sum(len(numbers) for numbers in self.parts())
 
     def parts(self) -> Iterator[NDArray[np.int64]]:
-        """Their numbers, ascending."""
+        """Yield their numbers, ascending."""
         for near in self._near():
             on = self._on(near)
             yield near.numbers[on][_among(_keys(near.flat[on], self._square), self._joined)]
 
     def thinned(self, most: int) -> Vector:
-        """An even share of their coordinates (n, 3), at most ``most``."""
+        """Return a uniform sample of at most ``most`` of their coordinates (n, 3)."""
         step, seen = max(1, -(-self.count // most)), 0
         chosen = []
         for numbers in self.parts():
@@ -93,7 +93,7 @@ class Surface:
         return np.concatenate(chosen).astype(np.float64)
 
     def _blocks_near(self) -> NDArray[np.int64]:
-        """Blocks whose boxes come near enough to the plane."""
+        """Return the blocks with boxes near the plane."""
         found, beside = self._found, self._beside
 
         def touches(lo: NDArray[np.float32], hi: NDArray[np.float32]) -> NDArray[np.bool_]:
@@ -103,7 +103,7 @@ class Surface:
         return self._points.blocks_where(touches)
 
     def _near(self) -> Iterator[_Near]:
-        """Points near the plane; gathered anew in each pass where they are many."""
+        """Yield points near the plane; many points are gathered again in each pass."""
         if self._kept is not None:
             yield self._kept
             return
@@ -125,7 +125,7 @@ class Surface:
         return _Near(numbers, off, self._flat(xyz))
 
     def _flat(self, xyz: NDArray[np.float32]) -> Vector:
-        """Coordinates (n, 2) in the plane, with the hit at zero."""
+        """Return coordinates (n, 2) in the plane, with the hit at zero."""
         normal = self._found.normal
         aside = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
         aside /= np.linalg.norm(aside)
@@ -133,13 +133,13 @@ class Surface:
         return np.asarray((xyz - self._hit) @ axes)
 
     def _on(self, near: _Near) -> NDArray[np.bool_]:
-        """Return the points on the plane where nothing stands on it, as a mask."""
+        """Return a mask of the points on the plane, without places with objects on it."""
         on = near.off <= self._found.thick
         on[on] = _among(_keys(near.flat[on], self._cell), self._bare)
         return on
 
     def _bare_cells(self) -> Keys:
-        """Cells where no more points lie beside the surface than on it: nothing stands there."""
+        """Return cells without objects: at most as many points are beside the surface as on it."""
         keys, on, beside = [np.empty(0, np.int64)], [np.empty(0, np.intp)], [np.empty(0, np.intp)]
         for near in self._near():
             cells, cell = np.unique(_keys(near.flat, self._cell), return_inverse=True)
@@ -153,7 +153,7 @@ class Surface:
         return np.asarray(cells[counts[0] >= counts[1]])
 
     def _joined_squares(self) -> Keys:
-        """Squares that join, corner to corner, with the one nearest to the hit."""
+        """Return squares connected, also at corners, with the one nearest to the hit."""
         found, nearest, start = [np.empty(0, np.int64)], np.inf, 0
         for near in self._near():
             flat = near.flat[self._on(near)]
@@ -169,13 +169,13 @@ class Surface:
 
 
 def _keys(flat: Vector, size: float) -> Keys:
-    """One number for each square of ``size`` metres."""
+    """Return a unique number of each square of ``size`` metres."""
     column = np.floor(flat / size).astype(np.int64)
     return np.asarray(column[:, 0] * 2**31 + column[:, 1])
 
 
 def _among(keys: Keys, those: Keys) -> NDArray[np.bool_]:
-    """Return the keys (n,) that are among sorted ``those``, as a mask."""
+    """Return a mask of the keys (n,) that occur in the sorted second array."""
     if len(those) == 0:
         return np.zeros(len(keys), np.bool_)
     at = np.minimum(np.searchsorted(those, keys), len(those) - 1)
@@ -183,7 +183,7 @@ def _among(keys: Keys, those: Keys) -> NDArray[np.bool_]:
 
 
 def _joined_with(squares: Keys, start: int) -> NDArray[np.bool_]:
-    """Return the sorted squares that are connected with the square ``start``, as a mask."""
+    """Return a mask of the sorted squares connected with the square ``start``."""
     if len(squares) == 0:
         return np.empty(0, np.bool_)
     links = []
@@ -203,16 +203,16 @@ def _joined_with(squares: Keys, start: int) -> NDArray[np.bool_]:
 def plane(
     points: Points, hit: Vector, radius: float, alive: Alive | None = None
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points of the flat surface that holds ``hit`` (3,) local metres; in parts.
+    """Yield numbers of the points of the flat surface at ``hit`` (3,), in local metres, in parts.
 
-    The surface is as thick as its noise, at most half of ``radius``.  Gaps up to twice the
-    radius are bridged, and what stands on it or passes through it is left out.
+    The surface is as thick as its noise, at most half of ``radius``.  Gaps up to twice the radius
+    are bridged; objects on the surface or through it are left out.
     """
     found = fit_plane(points, hit, radius, alive)
     if found is None:
         return
     for _ in range(2):
-        # What hangs together decides the plane anew: a floor is known better as a whole.
+        # The plane is refitted to its connected part, as a whole floor is more accurate.
         surface = Surface(points, found, hit, radius, alive)
         if surface.count < 3:
             yield from surface.parts()
@@ -226,9 +226,9 @@ def plane(
 def fit_plane(
     points: Points, hit: Vector, radius: float, alive: Alive | None = None
 ) -> Plane | None:
-    """The plane round a place (3,), local metres; None where fewer than three points are near.
+    """Return the plane at a place (3,), in local metres; None: fewer than three points are near.
 
-    It is fitted to what lies within eight ``radius`` of the place.
+    It is fitted to points within eight times ``radius``.
     """
     found: Plane | None = None
     for wide in WIDENING:
@@ -246,13 +246,13 @@ def fit_plane(
 
 
 def _best_hypothesis(near: Vector, hit: Vector, radius: float) -> Plane:
-    """The plane through the hit and two points near it that most points are on."""
+    """Return the plane with the most points, of planes through the hit and two points near it."""
     nearest = near[np.argmin(((near - hit) ** 2).sum(axis=1))]
     some = near[np.linspace(0, len(near) - 1, min(len(near), HYPOTHESES)).astype(int)] - nearest
     a, b = np.triu_indices(len(some), 1)
     normals = np.cross(some[a], some[b])
     length = np.linalg.norm(normals, axis=1)
-    # Nearly in line: no plane.
+    # Nearly collinear points define no plane.
     good = length > 1e-3 * radius * radius
     if not good.any():
         normals, length, good = np.eye(3)[1:2], np.ones(1), np.ones(1, np.bool_)
@@ -264,7 +264,7 @@ def _best_hypothesis(near: Vector, hit: Vector, radius: float) -> Plane:
 
 
 def _least_squares(near: Vector, before: Plane, radius: float) -> Plane:
-    """The plane through the points on ``before``, and how far they scatter about it."""
+    """Return the least-squares plane of the points on ``before``, with their scatter."""
     on = near[np.abs(before.off(near)) <= before.thick]
     if len(on) < 3:
         return before
@@ -280,7 +280,7 @@ def _least_squares(near: Vector, before: Plane, radius: float) -> Plane:
 
 
 def _thin(xyz: NDArray[np.float32]) -> Vector:
-    """An even share of the points, as float64."""
+    """Return a uniform sample of the points, as float64."""
     return xyz[:: -(-len(xyz) // MOST)].astype(np.float64)
 
 

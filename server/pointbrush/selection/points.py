@@ -1,7 +1,7 @@
-"""The view of a frame that selection works on: culling by its blocks, and sets of its points.
+"""View of a frame for selection: culling by blocks, and sets of points.
 
-A set of numbers grows bit by bit, a byte for each point near those in it, however many the frame
-has.  Points near others are the same object in a frame that is laid over the one it was found in.
+The memory of a set of numbers depends on its size instead of the frame's.  Near points of an
+overlaid frame belong to the same object.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ if TYPE_CHECKING:
     from scipy.spatial import cKDTree
 
 Alive = Callable[[NDArray[np.int64]], NDArray[np.bool_]]
-"""Says of point numbers whether each can be hit (a deleted point cannot)."""
+"""Function of point numbers: mask of points that rays can hit, without deleted ones."""
 
 GROUP_POINTS = 1 << 21
 PIXELS_APART = 2.0
-"""Pixels that neighbours on a surface are apart at most, seen from where they were measured."""
+"""Maximum distance, in pixels, of neighbours on a surface, from the sensor."""
 NOTHING: NDArray[np.int64] = np.empty(0, np.int64)
-"""A part of a selection without points: between two of them somebody else may have a turn."""
+"""An empty part of a selection, at which other work may be scheduled."""
 BLOCK = 65_536
 PART_POINTS = 1 << 20
 REACH = 2.0
-"""Distances between neighbours within which a point counts as one of the same surface."""
+"""Maximum distance from a surface's points, in their spacings, of a point on it."""
 LEAST_REACH = 0.005
-"""Metres, about a depth camera's noise."""
+"""Metres, about the noise of a depth camera."""
 
 
 class Coordinates(Protocol):
-    """Coordinates (N, 3) float32 by number: an array, or one that is unpacked when it is read."""
+    """Coordinates (N, 3) float32 by number: an array, or one that is decoded on access."""
 
     def __len__(self) -> int: ...
 
@@ -43,41 +43,41 @@ class Coordinates(Protocol):
 
 
 class Blocks(Protocol):
-    """Bounding boxes of runs of spatially adjacent points, and of the chunks that hold the runs.
+    """Bounding boxes of runs of spatially adjacent points, and of chunks of runs.
 
-    Block ``b`` is the points ``first[b]:first[b + 1]`` in stored order, inside ``lo[b]``..``hi[b]``
-    (local metres); chunk ``c`` is the blocks ``chunk_first[c]:chunk_first[c + 1]``.
+    Block ``b`` has the points ``first[b]:first[b + 1]`` in stored order, in the box from ``lo[b]``
+    to ``hi[b]`` (local metres); chunk ``c`` has the blocks ``chunk_first[c]:chunk_first[c + 1]``.
     """
 
     @property
     def first(self) -> NDArray[np.int64]:
-        """(B+1,) run borders."""
+        """(B+1,) borders of runs."""
 
     @property
     def lo(self) -> NDArray[np.float32]:
-        """(B, 3) least corners."""
+        """(B, 3) minimum corners."""
 
     @property
     def hi(self) -> NDArray[np.float32]:
-        """(B, 3) greatest corners."""
+        """(B, 3) maximum corners."""
 
     @property
     def chunk_first(self) -> NDArray[np.int64]:
-        """(C+1,) each chunk's first block."""
+        """(C+1,) first block of each chunk."""
 
     @property
     def chunk_lo(self) -> NDArray[np.float32]:
-        """(C, 3) least corners of the chunks."""
+        """(C, 3) minimum corners of the chunks."""
 
     @property
     def chunk_hi(self) -> NDArray[np.float32]:
-        """(C, 3) greatest corners of the chunks."""
+        """(C, 3) maximum corners of the chunks."""
 
 
 class Pixels(Protocol):
-    """The pixels of a depth camera that points lie on, seen from ``eye`` along ``axis``.
+    """Pixel lattice of a depth camera's points, seen from ``eye`` along ``axis``.
 
-    Neighbours are ``pitch`` times their depth apart, by columns and by rows.
+    Neighbours are at a distance of ``pitch`` times their depth, by columns and by rows.
     """
 
     @property
@@ -86,7 +86,7 @@ class Pixels(Protocol):
 
     @property
     def axis(self) -> int:
-        """Number of the axis along which depth is measured."""
+        """Index of the axis of depth."""
 
     @property
     def pitch(self) -> tuple[float, float]:
@@ -97,11 +97,11 @@ class Pixels(Protocol):
 class Points:
     """A frame in stored order and local coordinates.
 
-    ``xyz`` (N, 3) float32 metres; ``rgb`` (N, 3) uint8 or None; ``levels`` first point number of
-    each progressive level (each level is an even subsample of the frame); ``kdtree`` gives the
-    frame's tree, or is None where the frame is too large to have one; ``up`` points away from the
-    ground; ``pixels`` of a frame that is an image; ``release`` lets go of the memory of what was
-    looked at, where the frame is larger than memory.
+    ``xyz`` (N, 3): float32 metres; ``rgb`` (N, 3): uint8 or None; ``levels``: first point number of
+    each progressive level (a uniform subsample of the frame); ``kdtree``: function for the frame's
+    tree, None if the frame is too large; ``up``: direction away from the ground; ``pixels``:
+    lattice of an image; ``release``: function to free the memory of read parts of a frame larger
+    than memory.
     """
 
     xyz: Coordinates
@@ -117,7 +117,7 @@ class Points:
         return len(self.xyz)
 
     def blocks_in_box(self, lo: NDArray[np.float64], hi: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Numbers of the blocks whose boxes touch the box ``lo``..``hi`` (local metres)."""
+        """Return numbers of blocks with boxes touching the box ``lo``..``hi`` (local metres)."""
 
         def touches(a: NDArray[np.float32], b: NDArray[np.float32]) -> NDArray[np.bool_]:
             return np.asarray(((a <= hi) & (b >= lo)).all(axis=1))
@@ -128,7 +128,7 @@ class Points:
         self,
         touches: Callable[[NDArray[np.float32], NDArray[np.float32]], NDArray[np.bool_]],
     ) -> NDArray[np.int64]:
-        """Numbers of the blocks whose boxes pass ``touches(lo, hi)``; chunks are culled first."""
+        """Return numbers of blocks with ``touches(lo, hi)`` of their boxes; chunks come first."""
         chunks = np.flatnonzero(touches(self.blocks.chunk_lo, self.blocks.chunk_hi))
         first = self.blocks.chunk_first
         numbers = ranges(first[chunks], first[chunks + 1])
@@ -136,7 +136,7 @@ class Points:
         return np.asarray(numbers[kept])
 
     def groups(self, blocks: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-        """``blocks`` in runs of about two million points, to be worked on one after another."""
+        """Yield ``blocks`` in groups of about two million points."""
         ends = np.cumsum(self.blocks.first[blocks + 1] - self.blocks.first[blocks])
         start = 0
         while start < len(blocks):
@@ -149,13 +149,13 @@ class Points:
             start = stop
 
     def numbers(self, blocks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Stored numbers of all points in ``blocks``, ascending when ``blocks`` is."""
+        """Return stored numbers of all points in ``blocks``, ascending if ``blocks`` is."""
         return ranges(self.blocks.first[blocks], self.blocks.first[blocks + 1])
 
     def spacing(self, blocks: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Typical distance between neighbouring points of the surface in each block, metres.
+        """Return the typical spacing of surface points in each block, in metres.
 
-        A block's own density is that of its level, a known share of the frame's points.
+        The density of a block is corrected by the known share of its level in the frame's points.
         """
         first = self.blocks.first
         count = np.maximum(first[blocks + 1] - first[blocks], 1)
@@ -172,10 +172,10 @@ class Points:
     def spacings(
         self, blocks: NDArray[np.int64], numbers: NDArray[np.int64]
     ) -> NDArray[np.float64]:
-        """Typical distance between neighbours at each of ``numbers``, the points of ``blocks``.
+        """Return the typical spacing at each of ``numbers``, the points of ``blocks``.
 
-        The blocks of an image reach over outlines, where their boxes say nothing of the surface:
-        its pixels bound what they say.
+        Blocks of an image extend over outlines, where their boxes overestimate the spacing; its
+        pixels limit it.
         """
         counts = self.blocks.first[blocks + 1] - self.blocks.first[blocks]
         spacing = np.repeat(self.spacing(blocks), counts)
@@ -197,7 +197,7 @@ class PointSet:
         return self._count
 
     def add(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Take in sorted numbers (n,); returns those that were not here."""
+        """Add sorted numbers (n,); return the new ones."""
         fresh = np.empty(len(numbers), np.bool_)
         for first, part in by_block(numbers, BLOCK):
             if first not in self._blocks:
@@ -211,14 +211,14 @@ class PointSet:
         return new
 
     def has_any(self, numbers: NDArray[np.int64]) -> bool:
-        """Whether one of sorted numbers (n,) is here."""
+        """Return whether the set has one of sorted numbers (n,)."""
         return any(
             first in self._blocks and bool(self._blocks[first][numbers[part] - first].any())
             for first, part in by_block(numbers, BLOCK)
         )
 
     def parts(self) -> Iterator[NDArray[np.int64]]:
-        """All numbers, ascending, about a million at a time."""
+        """Yield all numbers, ascending, in parts of about a million."""
         gathered: list[NDArray[np.int64]] = []
         for first in sorted(self._blocks):
             gathered.append(np.flatnonzero(self._blocks[first]) + first)
@@ -230,9 +230,9 @@ class PointSet:
 
 
 def reach_of(xyz: NDArray[np.float64], spacings: float = REACH) -> float:
-    """Return metres within which a point counts as one of the surface of points (N, 3).
+    """Return the distance (m) from points (N, 3) within which a point is on their surface.
 
-    As many ``spacings``, the median distance between neighbours; at least ``LEAST_REACH``.
+    It is ``spacings`` times the median distance between neighbours, at least ``LEAST_REACH``.
     """
     from scipy.spatial import cKDTree
 
@@ -243,7 +243,7 @@ def reach_of(xyz: NDArray[np.float64], spacings: float = REACH) -> float:
 
 
 def near(points: Points, xyz: NDArray[np.float64], reach: float) -> NDArray[np.int64]:
-    """Numbers of the points within ``reach`` of one of ``xyz`` (N, 3), local metres; sorted."""
+    """Return sorted numbers of the points within ``reach`` of ``xyz`` (N, 3), in local metres."""
     from scipy.spatial import cKDTree
 
     if len(xyz) == 0:

@@ -1,6 +1,6 @@
-"""The ray brush: a ball round the first surface that each ray meets, or all along the ray.
+"""The ray brush: a ball around the first hit of each ray, or a tube along the ray.
 
-Shapes that take the region round each place that a ray meets stand on the same hits.
+Shapes that take the region around each hit use the same hits.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from pointbrush.selection.shape import RADIUS, Flag, Parameter, Parts, Selecting
 from pointbrush.selection.sphere import balls, swept_ball
 
 RUN = 16
-"""Rays that are worked on together: neighbours meet the same blocks."""
+"""Number of rays of a batch: neighbouring rays intersect the same blocks."""
 AT_ONCE = 1 << 16
-"""Points that are compared with a run of rays at once."""
+"""Number of points compared with a batch of rays at once."""
 MARGIN, MARGIN_SQUARED = 1e-6, 1e-12
-"""Of the squared radius, and of the greatest squared distance: more than float64 rounds."""
+"""Shares of the squared radius and of the maximum squared distance, above rounding of float64."""
 Region = Callable[[Points, NDArray[np.float64], float, Alive | None], Parts]
-"""Points, a place (3,) local metres, radius, alive → the numbers of the region round the place."""
+"""Function of points, a place (3,) in local metres, radius and alive: numbers of the region."""
 
 
 def ray_balls(at: Selecting) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points within the radius of the first hit of a ray; parts, each sorted."""
+    """Yield numbers of the points within the radius of rays' first hits, in sorted parts."""
     for run in runs(len(at.origins)):
         hits = places_met(at, run)
         yield from balls(at.points, hits[np.isfinite(hits[:, 0])], at.radius)
 
 
 def places_met(at: Selecting, run: slice) -> NDArray[np.float64]:
-    """Return the points (n, 3) in which rays meet the surface, local metres; NaN: none."""
+    """Return the hits (n, 3) of rays on the surface, in local metres; NaN: none."""
     if at.met is not None:
         return at.met[run]
     return first_hits(at.points, at.origins[run], at.directions[run], at.radius, at.alive)
@@ -44,7 +44,7 @@ def ray_tubes(
     directions: NDArray[np.float64],
     radius: float,
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points within ``radius`` of a half-line; parts, each sorted."""
+    """Yield numbers of the points within ``radius`` of a half-line, in sorted parts."""
     for origin, direction in zip(origins, directions, strict=True):
         for blocks in points.groups(_blocks_on_ray(points, origin, direction, radius)):
             numbers = points.numbers(blocks)
@@ -59,13 +59,13 @@ def first_hits(
     radius: float,
     alive: Alive | None = None,
 ) -> NDArray[np.float64]:
-    """Return the points (S, 3) in which rays first meet the surface, local metres; NaN: none.
+    """Return the first hits (S, 3) of rays on the surface, in local metres; NaN: none.
 
-    A cloud has holes between its points, so a point counts as surface met when the ray passes it
-    within about the cloud's own spacing there, and never farther than ``radius``.
+    A cloud has holes between its points.  A point counts as hit if the ray passes within about the
+    local spacing of the cloud, limited to ``radius``.
     """
     along = np.empty(len(origins))
-    # Rays from places as far away as numbers go meet nothing, which infinity and NaN say as well.
+    # Rays from extremely distant origins have no hit: overflows to inf and NaN are correct.
     with np.errstate(over="ignore", invalid="ignore"):
         for run in runs(len(origins)):
             along[run] = _first_along(points, origins[run], directions[run], radius, alive)
@@ -76,7 +76,7 @@ def first_hits(
 
 
 def runs(samples: int) -> Iterator[slice]:
-    """Samples a few at a time: they are worked on together."""
+    """Yield batches of samples."""
     return (slice(start, start + RUN) for start in range(0, samples, RUN))
 
 
@@ -87,7 +87,7 @@ def _first_along(
     radius: float,
     alive: Alive | None,
 ) -> NDArray[np.float64]:
-    """Return the distances (S,) along rays to the surface; infinity where it is not met."""
+    """Return the distances (S,) along rays to the surface; inf without a hit."""
     first_near, first_met = np.full((2, len(origins)), np.inf)
     for blocks in points.groups(_blocks_on_rays(points, origins, directions, radius)):
         numbers = points.numbers(blocks)
@@ -103,7 +103,7 @@ def _first_along(
                 first_met[k] = min(first_met[k], along[met].min(initial=np.inf))
                 met &= off <= reach[part][near]
                 first_near[k] = min(first_near[k], along[met].min(initial=np.inf))
-    # Sparse clouds: where nothing lies within the spacing, the brush's own width decides.
+    # Sparse clouds: without a point within the spacing, the radius of the brush counts.
     return np.where(np.isfinite(first_near), first_near, first_met)
 
 
@@ -113,10 +113,10 @@ def _near_rays(
     directions: NDArray[np.float64],
     radius: float,
 ) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """For each ray that some points may be within ``radius`` of, its number and theirs.
+    """Yield the numbers of each ray and of points that may be within ``radius`` of it.
 
-    All rays at once, by products of matrices, which round more than the exact distance does: what
-    is left out is farther by a margin.
+    Matrix products for all rays have larger rounding errors than exact distances; a margin makes
+    sure that no point is missed.
     """
     middle = xyz.mean(axis=0, dtype=np.float64)
     local = xyz - middle
@@ -135,7 +135,7 @@ def _near_rays(
 def _blocks_on_rays(
     points: Points, origins: NDArray[np.float64], directions: NDArray[np.float64], radius: float
 ) -> NDArray[np.int64]:
-    """Blocks whose boxes, grown by ``radius``, one of the rays enters."""
+    """Return the blocks with boxes, grown by ``radius``, that one of the rays enters."""
     each = [
         _blocks_on_ray(points, origin, direction, radius)
         for origin, direction in zip(origins, directions, strict=True)
@@ -146,7 +146,7 @@ def _blocks_on_rays(
 def _blocks_on_ray(
     points: Points, origin: NDArray[np.float64], direction: NDArray[np.float64], radius: float
 ) -> NDArray[np.int64]:
-    """Blocks whose boxes, grown by ``radius``, the ray enters (slab method)."""
+    """Return the blocks with boxes, grown by ``radius``, that the ray enters (slab method)."""
     with np.errstate(divide="ignore", over="ignore"):
         inverse = 1.0 / direction
 
@@ -166,7 +166,7 @@ def _blocks_on_ray(
 def _along_and_off(
     xyz: NDArray[np.float32], origin: NDArray[np.float64], direction: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance of each point along the ray and off it, metres."""
+    """Return the distance of each point along the ray and from it, in metres."""
     offset = xyz.astype(np.float64) - origin
     along = offset @ direction
     off = offset - along[:, None] * direction
@@ -194,7 +194,7 @@ RAY = Shape(
 
 
 def region_shape(name: str, about: str, region: Region) -> Shape:
-    """Return the shape that takes such a region round each hit."""
+    """Return the shape that takes a region around each hit."""
 
     def take(at: Selecting) -> Parts:
         points, radius = at.points, at.radius
@@ -202,7 +202,7 @@ def region_shape(name: str, about: str, region: Region) -> Shape:
             hits = places_met(at, run)
             for hit in hits[np.isfinite(hits[:, 0])]:
                 near = swept_ball(points, hit[None], radius)
-                # Dragging over a region that is already filled must not fill it again.
+                # Dragging over a filled region must not fill it again.
                 if len(near) and not at.taken.has_any(near):
                     yield from region(points, hit, radius, at.alive)
             yield NOTHING

@@ -1,6 +1,6 @@
-"""From a stroke to point numbers, at once or sample by sample while it is drawn.
+"""Selection of point numbers by a stroke, at once or incrementally while it is drawn.
 
-Frames that are laid over one another are taken from as if they were one cloud.
+Overlaid frames are treated as one cloud.
 """
 
 from __future__ import annotations
@@ -22,15 +22,14 @@ from pointbrush.selection.stroke import Stroke
 __all__ = ["Selector", "first_hits", "select", "select_parts"]
 
 SWEPT = 64
-"""Samples that are worked on at once while a stroke is drawn: the work between two turns."""
+"""Number of samples of a batch while a stroke is drawn."""
 
 
 def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArray[np.int64]:
-    """Stored numbers of the points that ``stroke`` (local coordinates) takes; sorted, unique.
+    """Return sorted unique numbers of the points that ``stroke`` (local coordinates) takes.
 
-    ``alive`` says which points rays can hit.  What the tool then does with the points, and the
-    rules of locked labels and ``only_unlabeled``, are the label store's.
-    Raises BadInputError when a sampled shape has no samples.
+    ``alive``: marks points that rays can hit.  The label store applies the tool, locked labels and
+    ``only_unlabeled``.  Raises BadInputError if a sampled shape has no samples.
     """
     parts = list(select_parts(points, stroke, alive))
     if len(parts) == 1:
@@ -42,7 +41,7 @@ def select(points: Points, stroke: Stroke, alive: Alive | None = None) -> NDArra
 def select_parts(
     points: Points, stroke: Stroke, alive: Alive | None = None
 ) -> Iterator[NDArray[np.int64]]:
-    """The same in parts, each sorted, so that a selection of a whole scan takes little memory."""
+    """Yield the numbers of ``select`` in sorted parts, to limit memory for whole scans."""
     shape = stroke.kind
     if shape.sampled and len(stroke.origins) == 0:
         raise BadInputError(f"samples: expected at least one for shape '{shape.name}', got none")
@@ -52,7 +51,7 @@ def select_parts(
 
 
 def _taken(points: Points, stroke: Stroke, alive: Alive | None, taken: PointSet) -> Parts:
-    """Yield the points the stroke's shape takes, of those that its clip box shows."""
+    """Yield the points that the stroke's shape takes inside its clip box."""
     clip, met = stroke.clip, stroke.met
     meets = clipped(clip, points, alive)
     at = Selecting(points, stroke.values, stroke.origins, stroke.directions, met, meets, taken)
@@ -61,7 +60,7 @@ def _taken(points: Points, stroke: Stroke, alive: Alive | None, taken: PointSet)
 
 
 class Selector:
-    """The same selection while the stroke is being drawn: samples come in batches.
+    """Incremental selection while a stroke is drawn, with samples in batches.
 
     The union of the batches equals ``select`` of the whole stroke.
     """
@@ -76,7 +75,7 @@ class Selector:
                 self.taken.add(part)
 
     def add(self, samples: Stroke) -> Iterator[NDArray[np.int64]]:
-        """Take in a batch (the brush with new samples) while the newly touched numbers are read."""
+        """Yield the newly touched numbers of a batch: the brush with new samples."""
         shape = self._brush.kind
         if not shape.sampled:
             return
@@ -91,11 +90,10 @@ class Selector:
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Points that are shown by one rigid transform: a frame, or an object that moves in it.
+    """Points displayed with one rigid transform: a frame, or a moving object in it.
 
-    ``T_shown_layer`` (4, 4) from the points' local coordinates to those of the stroke;
-    ``touchable`` says which points rays meet; ``part`` which points of the frame belong to the
-    layer, None for all.
+    ``T_shown_layer`` (4, 4): from the points' local coordinates to the stroke's; ``touchable``:
+    marks points that rays can hit; ``part``: marks the frame's points in the layer, None: all.
     """
 
     points: Points
@@ -104,20 +102,20 @@ class Layer:
     part: Alive | None = None
 
     def meets(self, numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Mark the stored ``numbers`` (n,) that rays meet."""
+        """Mark the stored ``numbers`` (n,) that rays can hit."""
         met = self.touchable(numbers)
         return met if self.part is None else met & self.part(numbers)
 
     def own(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return those of stored ``numbers`` (n,) that belong to the layer."""
+        """Return the stored ``numbers`` (n,) of points in the layer."""
         return numbers if self.part is None else numbers[self.part(numbers)]
 
 
 class OverlaySelector:
-    """``Selector`` for several layers: a ray meets the first surface among all of them."""
+    """``Selector`` for several layers: a ray hits the first surface of all layers."""
 
     def __init__(self, layers: Sequence[Layer], brush: Stroke) -> None:
-        """``brush`` is the stroke without samples, in the coordinates that are shown."""
+        """``brush`` is the stroke without samples, in displayed coordinates."""
         self._layers = layers
         self._brush = brush
         self._T = [inverse(layer.T_shown_layer) for layer in layers]
@@ -127,13 +125,13 @@ class OverlaySelector:
         ]
 
     def begun(self) -> Iterator[tuple[int, NDArray[np.int64]]]:
-        """Return each layer's number and the points that the parameters alone take."""
+        """Yield each layer's number and the points that the parameters alone take."""
         for k, selector in enumerate(self._selectors):
             for numbers in selector.taken.parts():
                 yield k, self._layers[k].own(numbers)
 
     def add(self, samples: Stroke) -> Iterator[tuple[int, NDArray[np.int64]]]:
-        """Take in samples while layers' numbers and newly touched points are read."""
+        """Yield layers' numbers and newly touched points of new samples."""
         for start in range(0, len(samples.origins), SWEPT):
             batch = samples.run(slice(start, start + SWEPT))
             if len(self._layers) > 1 and self._brush.kind.meets(self._brush.values):
@@ -143,7 +141,7 @@ class OverlaySelector:
                     yield k, self._layers[k].own(fresh)
 
     def _met(self, batch: Stroke) -> NDArray[np.float64]:
-        """Return the points (S, 3) in which rays first meet any layer's surface; NaN: none."""
+        """Return the first hits (S, 3) of rays on the surfaces of all layers; NaN: none."""
         nearest = np.full(len(batch.origins), np.inf)
         hits = np.full((len(batch.origins), 3), np.nan)
         for layer, T in zip(self._layers, self._T, strict=True):

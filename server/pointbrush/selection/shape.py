@@ -1,6 +1,6 @@
-"""A brush shape: its name, its parameters, and the points that it takes.
+"""A brush shape: its name, parameters and selected points.
 
-A parameter says what it may be, and how it is read from JSON fields.
+A parameter defines its valid values and the conversion from JSON fields.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.selection.points import Alive, Points, PointSet
 
 Values = Mapping[str, Any]
-"""A stroke's parameters by name, read."""
+"""A stroke's converted parameters by name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """Yes or no."""
+    """A boolean."""
 
     def read(self, _name: str, value: object) -> bool:
         """Return the flag."""
@@ -81,7 +81,7 @@ class EditName:
     """The id of an edit, a UUID; None stays None."""
 
     def read(self, name: str, value: object) -> str | None:
-        """Return the id; whether there is such an edit is the label store's to say."""
+        """Return the id; the label store checks that the edit exists."""
         return None if value is None else Text(36).read(name, value)
 
 
@@ -142,7 +142,7 @@ Kind = Number | Flag | Whole | Text | EditName | Numbers | Vertices | Rays
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter of a shape: ``default`` where the stroke leaves it out, None for none."""
+    """A parameter of a shape; ``default``: value if the stroke leaves it out, None: no default."""
 
     name: str
     kind: Kind
@@ -175,7 +175,7 @@ def rows(name: str, values: Sequence[Any], width: int) -> NDArray[np.float64]:
 
 def unit(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return directions (S, 3) of length 1.  Raises BadInputError for one without a length."""
-    # The greatest part first: squares of huge or tiny ones are no numbers any more.
+    # Scaled by the largest component first: squares of huge or tiny values overflow or underflow.
     largest = np.abs(directions).max(axis=1, keepdims=True, initial=0.0)
     if (largest < 1e-12).any():
         bad = int(np.flatnonzero(largest[:, 0] < 1e-12)[0])
@@ -189,10 +189,10 @@ def unit(directions: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Selecting:
-    """A stroke at work on ``points``: its parameters and samples, in local coordinates.
+    """A stroke applied to ``points``: its parameters and samples, in local coordinates.
 
-    ``origins``, ``directions``, ``met`` as of ``Stroke``; ``alive`` says which points rays can
-    hit; ``taken`` holds what the stroke has taken so far, the parts yielded included.
+    ``origins``, ``directions``, ``met``: see ``Stroke``; ``alive``: marks points that rays can hit;
+    ``taken``: points taken so far, including yielded parts.
     """
 
     points: Points
@@ -217,11 +217,11 @@ Parts = Iterator[NDArray[np.int64]]
 class Shape:
     """One shape of a brush.
 
-    ``sampled``: it needs samples; else its parameters say all.  ``sweeps``: a batch of samples
-    goes on from the last sample of the batch before.  ``fills``: a later sample takes nothing in
-    what an earlier one has taken.  ``meets`` says of the parameters whether rays look for the
-    first surface.  ``placed`` turns parameters that have a place into other coordinates, by a
-    rigid transform (4, 4) from the old to the new ones.
+    ``sampled``: it needs samples; otherwise the parameters are sufficient.  ``sweeps``: a batch of
+    samples continues from the last sample of the previous batch.  ``fills``: samples take no points
+    inside the region of an earlier sample.  ``meets``: returns whether, with these parameters, rays
+    search for the first surface.  ``placed``: transforms parameters with a position by a rigid
+    transform (4, 4) from the old to the new coordinates.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""The table of brush shapes; a new one is a module with a ``Shape``, and a line here."""
+"""Table of brush shapes; a new shape is a module with a ``Shape``, and a line here."""
 
 from __future__ import annotations
 
@@ -18,4 +18,4 @@ from pointbrush.selection.sphere import SPHERE
 SHAPES: Mapping[str, Shape] = MappingProxyType(
     {shape.name: shape for shape in (SPHERE, RAY, LASSO, BOX, GROW, CLUSTER, PLANE, OBJECT)}
 )
-"""Shapes by name, in the order in which they are told."""
+"""Shapes by name, in the order of the documentation."""

@@ -15,9 +15,9 @@ _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 
 def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> NDArray[np.int64]:
-    """Numbers of the points within ``radius`` of the polyline ``origins`` (S, 3), local metres.
+    """Return sorted numbers of the points within ``radius`` of the polyline ``origins`` (S, 3).
 
-    One sample is a ball, two are a capsule.  Sorted, each point once.
+    Coordinates are local metres.  One sample is a ball, two are a capsule.
     """
     parts = list(swept_parts(points, origins, radius))
     return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0, np.int64), *parts])
@@ -26,7 +26,7 @@ def swept_ball(points: Points, origins: NDArray[np.float64], radius: float) -> N
 def swept_parts(
     points: Points, origins: NDArray[np.float64], radius: float
 ) -> Iterator[NDArray[np.int64]]:
-    """The same in parts, for balls that may hold most of a scan."""
+    """Yield the numbers of ``swept_ball`` in parts, for balls with most of a scan."""
     if len(origins) == 0:
         return
     starts, stops = _segments(origins)
@@ -38,7 +38,7 @@ def swept_parts(
 def balls(
     points: Points, centers: NDArray[np.float64], radius: float
 ) -> Iterator[NDArray[np.int64]]:
-    """Numbers of the points within ``radius`` of one of ``centers`` (K, 3); parts, each sorted."""
+    """Yield numbers of the points within ``radius`` of ``centers`` (K, 3), in sorted parts."""
     if len(centers) == 0:
         return
     lo, hi = centers - radius, centers + radius
@@ -60,7 +60,7 @@ def _swept_of(
     stops: NDArray[np.float64],
     radius: float,
 ) -> NDArray[np.int64]:
-    """Keep those of the points that lie in blocks ``near``."""
+    """Return the numbers of the points of blocks ``near`` in the swept volume."""
     # 1. The blocks' points, gathered once.
     lo, hi = np.minimum(starts, stops) - radius, np.maximum(starts, stops) + radius
     block_lo, block_hi = points.blocks.lo[near], points.blocks.hi[near]
@@ -90,8 +90,8 @@ def _swept_of(
 def _segments(
     origins: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Ends (S, 3) of the pieces of the path."""
-    # A controller held still repeats its origin; the repeats sweep nothing new.
+    """Return starts and ends (S, 3) of the segments of the path."""
+    # A controller at rest repeats its origin; repetitions add no volume.
     moved = np.append(True, (np.diff(origins, axis=0) != 0).any(axis=1))
     line = origins[moved]
     return (line, line) if len(line) == 1 else (line[:-1], line[1:])
@@ -100,7 +100,7 @@ def _segments(
 def _distance_squared(
     offset: NDArray[np.float64], axis: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Squared distance of ``offset`` (n, 3) to the segment from zero to ``axis`` (3,)."""
+    """Return squared distances of ``offset`` (n, 3) from the segment from zero to ``axis`` (3,)."""
     length_squared = float(axis @ axis)
     if length_squared > 0:
         along = np.clip(offset @ axis / length_squared, 0.0, 1.0)

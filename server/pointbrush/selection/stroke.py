@@ -1,4 +1,4 @@
-"""A drawn stroke: samples of a controller or mouse, and the brush that it held."""
+"""A drawn stroke: samples of a controller or mouse, and its brush."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from pointbrush.selection.shapes import SHAPES
 TOOLS = ("paint", "erase", "delete", "restore")
 MAX_SAMPLES = 65_536
 MAX_HIDDEN = 65_535
-"""All label ids, and 0."""
+"""Maximum number of hidden labels: all label ids, and 0."""
 MAX_FRAMES = 1_000
-"""Frames that one stroke paints beside its own."""
+"""Maximum number of further frames that one stroke paints."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,13 +29,12 @@ class Stroke:
 
     ``origins``, ``directions``  (S, 3) float64; directions are unit length.
     ``values`` holds the parameters of its shape by name.
-    ``hidden`` are labels that only the viewer hides; 0: points without a label.
-    ``frames`` are painted beside the frame that the stroke is drawn in.
-    ``clip`` is the box outside which nothing is shown, met or taken; None: all is shown.
-    ``met``  (S, 3) where each sample's ray meets the surface, NaN where it meets none; None where
-    that is still to be found.
+    ``hidden``: labels hidden only by the viewer; 0: points without a label.
+    ``frames``: further frames to paint.
+    ``clip``: box that limits shown, hit and selected points; None: no limit.
+    ``met``  (S, 3): hits of the samples' rays on the surface, NaN without a hit; None: unknown.
 
-    Raises BadInputError, saying what was expected and what came.
+    Raises BadInputError with expected and actual values.
     """
 
     shape: str
@@ -52,7 +51,7 @@ class Stroke:
 
     @classmethod
     def parse(cls, fields: Mapping[str, Any]) -> Stroke:
-        """Build from the fields of a call or a message, ``samples`` as objects; see the class."""
+        """Return a stroke from fields of a call or a message, with ``samples`` as objects."""
         shape, tool = fields.get("shape", "sphere"), fields.get("tool", "paint")
         if shape not in SHAPES:
             raise BadInputError(f"shape: expected one of {', '.join(SHAPES)}, got {shape!r}")
@@ -81,7 +80,7 @@ class Stroke:
         return float(self.values["radius"])
 
     def with_samples(self, samples: Sequence[Mapping[str, Any]]) -> Stroke:
-        """This stroke with these samples (``origin``, ``direction``) in place of its own."""
+        """Return this stroke with other samples (``origin``, ``direction``)."""
         if len(samples) > MAX_SAMPLES:
             raise BadInputError(
                 f"samples: expected at most {MAX_SAMPLES:,} samples, got {len(samples):,}"
@@ -95,11 +94,11 @@ class Stroke:
         )
 
     def to_local(self, shift: NDArray[np.float64]) -> Stroke:
-        """The same stroke in local coordinates (source minus ``shift``)."""
+        """Return the stroke in local coordinates (source minus ``shift``)."""
         return self if not shift.any() else self.placed(translation(-shift))
 
     def placed(self, T_new_old: NDArray[np.float64]) -> Stroke:
-        """The same stroke in other coordinates, by a rigid transform (4, 4)."""
+        """Return the stroke in other coordinates, by a rigid transform (4, 4)."""
         placed = self.kind.placed
         return replace(
             self,
@@ -111,7 +110,7 @@ class Stroke:
         )
 
     def run(self, samples: slice) -> Stroke:
-        """The same stroke with some of its samples only."""
+        """Return the stroke with some of its samples."""
         met = None if self.met is None else self.met[samples]
         return replace(
             self, origins=self.origins[samples], directions=self.directions[samples], met=met

@@ -1,11 +1,11 @@
-"""One click, one object: a frame prepared once, then at most six nested candidates a click.
+"""Selection of objects by clicks: frames are prepared once; a click has at most six candidates.
 
     state = prepare(ObjectFrame(xyz, rgb, sensor="room", T_room_local=T))
     best, *others = candidates(state, positives=[[0.2, 0.1, 1.4]])
 
-Underneath lies one structure a frame: cells → ground, graph → pieces → merge tree; ``sums`` of
-pieces add up along the tree, two small ``forest``s of ``weights`` say what belongs together and
-which ``unions`` of nodes are worth showing.
+A frame has one structure: cells → ground, graph → pieces → merge tree.  ``sums`` of pieces are
+additive along the tree.  Two small ``forest``s of ``weights`` score merges of pieces and ``unions``
+of nodes.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Cells of a frame: one for each occupied cube, so that the density of points does not count.
+"""Cells of a frame: one for each occupied cube, independent of the density of points.
 
-Ground under a lidar is told apart first: a lower envelope over columns of the plan.
+Ground in lidar scans is separated first, by a lower envelope over columns of the plan.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ Floats = NDArray[np.float64]
 LOW_SHARE = 0.005
 """Share of a room's cells that may lie below its floor."""
 MOST_SAMPLED = 300_000
-"""Points that are looked at to count the cells of a size."""
+"""Maximum sampled points to count the cells of a size."""
 TRIES = 5
-"""Sizes that are tried."""
+"""Number of candidate sizes."""
 LOWEST_SIZE = 1e-4
 """Metres; the smallest cell."""
 REMISSION = 100.0
@@ -28,14 +28,14 @@ REMISSION = 100.0
 
 
 def height_over_floor(center: Floats) -> Floats:
-    """Heights (C,) over the lowest cells, stray ones left out; z up, metres."""
+    """Return heights (C,) above the lowest cells, without outliers; z up, metres."""
     if len(center) == 0:
         return np.zeros(0)
     return np.asarray(center[:, 2] - np.quantile(center[:, 2], LOW_SHARE))
 
 
 def height_over_ground(center: Floats, options: GroundOptions) -> Floats:
-    """Heights (C,) of cells (C, 3) over the ground under them; z up, metres."""
+    """Return heights (C,) of cells (C, 3) above the ground below them; z up, metres."""
     if len(center) == 0:
         return np.zeros(0)
     low = center[:, :2].min(axis=0)
@@ -55,7 +55,7 @@ def height_over_ground(center: Floats, options: GroundOptions) -> Floats:
 
 
 def _deciles(key: NDArray[np.int64], z: Floats, columns: int, options: GroundOptions) -> Floats:
-    """Low decile (columns,) of the heights in each column, inf where there are few."""
+    """Return the low decile (columns,) of the heights in each column, inf if there are few."""
     order = np.lexsort((z, key))
     counts = np.bincount(key, minlength=columns)
     first = np.concatenate([[0], np.cumsum(counts)[:-1]])
@@ -66,7 +66,7 @@ def _deciles(key: NDArray[np.int64], z: Floats, columns: int, options: GroundOpt
 
 
 def _without_ghosts(lowest: Floats, options: GroundOptions) -> Floats:
-    """The same without columns far under the median of the 5 x 5 round them."""
+    """Return ``lowest`` without columns far below the median of their 5 x 5 neighbourhood."""
     ranked = np.where(np.isfinite(lowest), lowest, np.nan)
     padded = np.pad(ranked, 2, constant_values=np.nan)
     around = np.lib.stride_tricks.sliding_window_view(padded, (5, 5))
@@ -79,7 +79,7 @@ def _without_ghosts(lowest: Floats, options: GroundOptions) -> Floats:
 
 @compiled
 def _envelope(lowest: Floats, step: float, sweeps: int) -> Floats:
-    """Greatest surface under ``lowest`` that rises by at most ``step`` from column to column."""
+    """Return the highest surface below ``lowest`` with slopes of at most ``step`` per column."""
     ground = lowest.copy()
     rows, columns = ground.shape
     for sweep in range(sweeps):
@@ -106,8 +106,8 @@ def _envelope(lowest: Floats, step: float, sweeps: int) -> Floats:
 class Cells:
     """C cells of ``size`` metres.
 
-    ``of_point`` (N,) int32 the cell of each point; ``center`` (C, 3) mean of its points, metres;
-    ``lab`` (C, 3) mean colour as CIE Lab.
+    ``of_point`` (N,): int32, cell of each point; ``center`` (C, 3): mean of its points, metres;
+    ``lab`` (C, 3): mean colour in CIE Lab.
     """
 
     size: float
@@ -147,7 +147,7 @@ def make_cells(
 
 
 def cell_size(xyz: Floats, sensor: SensorKind, options: CellOptions) -> float:
-    """Return the size, metres, that leaves neither too few cells nor too many."""
+    """Return the size, in metres, for a suitable number of cells."""
     size = options.lidar_size if sensor == "lidar" else options.size
     n = len(xyz)
     if n == 0:
@@ -170,14 +170,14 @@ def cell_size(xyz: Floats, sensor: SensorKind, options: CellOptions) -> float:
 
 
 def _keys(xyz: Floats, size: float) -> NDArray[np.int64]:
-    """One number (N,) for each cube."""
+    """Return a unique number (N,) of each point's cube."""
     low = xyz.min(axis=0) if len(xyz) else np.zeros(3)
     cube = np.floor((xyz - low) / size).astype(np.int64)
     return np.asarray((cube[:, 0] << 42) | (cube[:, 1] << 21) | cube[:, 2])
 
 
 def _grouped(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Order (N,) that puts equal keys together, and where each group begins."""
+    """Return an order (N,) that groups equal keys, and the start of each group."""
     order = np.argsort(keys, kind="stable")
     ordered = keys[order]
     starts = np.flatnonzero(np.diff(ordered, prepend=ordered[:1] - 1))
@@ -186,7 +186,7 @@ def _grouped(keys: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 @compiled
 def _occupied(xyz: Floats, size: float) -> int:
-    """Count the cubes that hold a point."""
+    """Return the number of occupied cubes."""
     bits = 1
     while (1 << bits) < 2 * len(xyz):
         bits += 1
@@ -207,7 +207,7 @@ def _occupied(xyz: Floats, size: float) -> int:
 
 
 def lab_of(rgb: Floats) -> Floats:
-    """CIE Lab (n, 3) of sRGB 0..255 (n, 3), white D65."""
+    """Return CIE Lab (n, 3) of sRGB 0..255 (n, 3), white D65."""
     part = rgb / 255.0
     light = np.where(part > 0.04045, ((part + 0.055) / 1.055) ** 2.4, part / 12.92)
     matrix = np.array(

@@ -1,7 +1,7 @@
-"""Clicks on a prepared frame: the cells and pieces they lie on, and what they change.
+"""Clicks on a prepared frame: their cells and pieces, distances, and corrections.
 
-How far all other cells are from a click, which points are taken so far, and the least that a click
-changes of them.
+The module computes distances of cells from clicks, the points taken so far, and the minimal
+correction of these by a click.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clicks:
-    """K clicks: ``at`` (K, 3) local metres, ``cell`` and ``piece`` (K,) that each lies on.
+    """K clicks: ``at`` (K, 3) in local metres, with the ``cell`` and ``piece`` (K,) of each.
 
-    ``nearest``, ``farthest`` (K, P): distances from a click to the cells of each piece, metres.
+    ``nearest``, ``farthest`` (K, P): distances of a click from the cells of each piece, metres.
     """
 
     at: Floats
@@ -45,9 +45,9 @@ def place_clicks(
     name: str,
     options: ClickOptions | None = None,
 ) -> Clicks:
-    """Place clicks (K, 3) on the nearest cells, past lone ones where a piece is within reach.
+    """Return clicks (K, 3) on the nearest cells, except isolated ones if a piece is within reach.
 
-    A click on a lone return of a lidar moves to the nearest piece in about the same direction.
+    A click on an isolated lidar return moves to the nearest piece in about the same direction.
     Raises BadInputError unless they are finite and 3 wide.
     """
     options = options or ClickOptions()
@@ -71,9 +71,9 @@ def place_clicks(
 
 
 def _beside(state: ObjectState, at: Floats, cell: int, real: Mask, options: ClickOptions) -> int:
-    """Return a cell that is not of lone returns: the nearest in about the direction of a click.
+    """Return the nearest cell of a piece in about the direction of a click.
 
-    ``at`` (3,) of the click and the ``cell`` that it lies on, which is kept where none is found.
+    ``at`` (3,): position of the click; ``cell``: its cell, returned if there is no other.
     """
     if state.sums[state.piece[cell], sums.COUNT] >= options.lone_cells:
         return cell
@@ -114,7 +114,10 @@ def _distances(
 
 
 def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[np.bool_]:
-    """Return the cells (C,) that may be added; of pieces clicked both ways the nearer ones."""
+    """Return a mask of cells (C,) that may be added.
+
+    In pieces with wanted and unwanted clicks, these are the cells nearer to wanted ones.
+    """
     kept = np.ones(len(state.center), np.bool_)
     both = np.intersect1d(wanted.piece, unwanted.piece)
     if len(both):
@@ -128,16 +131,16 @@ def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[
 
 
 def _away(cells: NDArray[np.float32], clicks: Floats) -> Floats:
-    """Distance (n,) of cells from the nearest click."""
+    """Return distances (n,) of cells from the nearest click."""
     return np.asarray(np.linalg.norm(cells[:, None] - clicks, axis=2).min(axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
-    """``cells`` (C,) taken so far, with a patch round each click that they were wrong about.
+    """``cells`` (C,): mask of cells taken so far, corrected around contradicting clicks.
 
-    ``pieces`` (P,) of which most cells were taken before; ``missed`` pieces of wanted clicks that
-    lay outside, ``surplus`` of unwanted ones that lay inside.
+    ``pieces`` (P,): mask of pieces with most cells taken before; ``missed``: pieces of wanted
+    clicks outside; ``surplus``: pieces of unwanted clicks inside.
     """
 
     cells: Mask
@@ -153,7 +156,7 @@ def taken_so_far(
     unwanted: Clicks,
     options: ClickOptions,
 ) -> Taken | None:
-    """Convert a mask over points (numbers, or (N,) bool); None for an empty one.
+    """Return the taken cells of a mask over points (numbers, or (N,) bool); None: it is empty.
 
     Raises BadInputError for a mask out of range.
     """
@@ -188,7 +191,7 @@ def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer]
 
 
 def _added(state: ObjectState, at: Floats, piece: int, taken: Mask, options: ClickOptions) -> Ints:
-    """Cells of a piece nearer to a click than what is ``taken`` (C,); all, if most are."""
+    """Return cells of a piece nearer to a click than ``taken`` cells (C,); all, if most are."""
     own = np.flatnonzero(state.piece == piece)
     near = _ball(state, own, at, _clearance(state, at, taken), options)
     return own if len(near) >= options.whole_share * len(own) else near
@@ -197,14 +200,14 @@ def _added(state: ObjectState, at: Floats, piece: int, taken: Mask, options: Cli
 def _touched(
     state: ObjectState, at: Floats, piece: int, outside: Mask, options: ClickOptions
 ) -> Ints:
-    """Cells of a piece about a click, within a share of the way to the nearest one ``outside``."""
+    """Return cells of a piece around a click, within a share of the distance to ``outside``."""
     own = np.flatnonzero(state.piece == piece)
     radius = options.removed_share * _clearance(state, at, outside)
     return _ball(state, own, at, radius, options)
 
 
 def _clearance(state: ObjectState, at: Floats, border: Mask) -> float:
-    """Metres from a click to the nearest cell of ``border`` (C,), inf without one."""
+    """Return the distance (m) of a click from the nearest cell of ``border`` (C,); inf: none."""
     beyond = state.center[border]
     return float(np.linalg.norm(beyond - at, axis=1).min()) if len(beyond) else np.inf
 

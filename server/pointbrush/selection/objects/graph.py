@@ -1,8 +1,8 @@
-"""The first graph of a frame, and the pieces that it falls into.
+"""Graph of neighbouring cells in a frame, and its segmentation into pieces.
 
-Neighbouring cells, their normals, and what parts them along each edge; pieces are small smooth
-patches (Felzenszwalb and Huttenlocher, IJCV 2004), and bridges lead between them.  Eigenvalues of
-symmetric 3 x 3 matrices are in closed form (Smith, CACM 4, 1961).
+Cells have normals, and edges have dissimilarities.  Pieces are small smooth patches (Felzenszwalb
+and Huttenlocher, IJCV 2004), connected by bridges.  Eigenvalues of symmetric 3 x 3 matrices are in
+closed form (Smith, CACM 4, 1961).
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from pointbrush.sensor_kind import SensorKind
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 SIXTH = 6
-"""The neighbour whose distance tells the spacing."""
+"""Index of the neighbour used for the spacing."""
 
 
 @innermost
 def eigenvalues(
     xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
 ) -> tuple[float, float, float]:
-    """Return the eigenvalues, least first."""
+    """Return the eigenvalues in ascending order."""
     q = (xx + yy + zz) / 3
     off = xy * xy + xz * xz + yz * yz
     spread = (xx - q) ** 2 + (yy - q) ** 2 + (zz - q) ** 2 + 2 * off
@@ -72,7 +72,7 @@ def eigenvector(
 
 @innermost
 def find(parent: NDArray[np.int64], i: int) -> int:
-    """Return the root of ``i`` and shorten the way to it."""
+    """Return the root of ``i`` and compress the path to it."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
         i = parent[i]
@@ -81,9 +81,10 @@ def find(parent: NDArray[np.int64], i: int) -> int:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Graph:
-    """``normal`` (C, 3) of length 1; ``rough`` (C,) 0 flat .. 1/3; ``near`` (C, K) neighbours
-    and ``away`` (C, K) their distances, nearest first; ``edges`` (E, 2) cells with i < j.
+    """Graph of cells.
 
+    ``normal`` (C, 3): unit normals; ``rough`` (C,): roughness, 0 (flat) to 1/3; ``near`` (C, K):
+    neighbours, nearest first; ``away`` (C, K): their distances; ``edges`` (E, 2): cells with i < j;
     ``across`` (E, 4): turn 1 - ni.nj, bend (concave above 0), Lab distance, length in metres.
     """
 
@@ -129,7 +130,7 @@ def _reaches(
     sensor: SensorKind,
     options: GraphOptions,
 ) -> Floats:
-    """Longest edge (C,) of each cell, metres."""
+    """Return the maximum length (C,) of each cell's edges, in metres."""
     if sensor == "lidar":
         origin = np.zeros(3) if viewpoint is None else viewpoint
         distance = np.linalg.norm(center - origin, axis=1)
@@ -142,7 +143,7 @@ def _reaches(
 
 @compiled
 def _normals(center: Floats, near: Ints) -> tuple[Floats, Floats]:
-    """Normals (C, 3), of either sign, and roughness (C,) by each cell's neighbours."""
+    """Return normals (C, 3), of arbitrary sign, and roughness (C,) by each cell's neighbours."""
     count, k = near.shape
     normal, rough = np.empty((count, 3)), np.empty(count)
     for i in range(count):
@@ -175,7 +176,7 @@ def _normals(center: Floats, near: Ints) -> tuple[Floats, Floats]:
 
 @compiled
 def _edges(near: Ints, away: Floats, reach: Floats, linked: int) -> Ints:
-    """Pairs (E, 2), i < j, each once, of cells of which one has the other in reach."""
+    """Return distinct pairs (E, 2), i < j, of cells with one in reach of the other."""
     count = len(near)
     pairs = np.empty((count * linked, 2), np.int64)
     made = 0
@@ -199,17 +200,17 @@ def _edges(near: Ints, away: Floats, reach: Floats, linked: int) -> Ints:
 
 
 def _steepness(normal: Floats, edges: Ints) -> Ints:
-    """Order (E,) of the edges by how little the normals turn along them, signs aside."""
+    """Return an order (E,) of the edges by ascending angle of the normals, ignoring signs."""
     turn = 1.0 - np.abs(np.einsum("ij,ij->i", normal[edges[:, 0]], normal[edges[:, 1]]))
     return np.argsort(turn, kind="stable")
 
 
 @compiled
 def _orient(normal: Floats, center: Floats, edges: Ints, order: Ints) -> None:
-    """Give the normals like signs along a spanning tree, then turn them to the scene's middle."""
+    """Orient the normals consistently along a spanning tree, then to the scene's middle."""
     count = len(normal)
     parent, size = np.arange(count), np.ones(count, np.int64)
-    # Members of a component in a ring, so that the smaller one can be flipped as a whole.
+    # Members of a component form a ring, so that the smaller one can be flipped as a whole.
     following = np.arange(count)
     for e in order:
         i, j = edges[e, 0], edges[e, 1]
@@ -231,7 +232,7 @@ def _orient(normal: Floats, center: Floats, edges: Ints, order: Ints) -> None:
 
 @innermost
 def _flip_ring(normal: Floats, following: Ints, first: int) -> None:
-    """Turn the normals (C, 3) of the ring of cells from ``first`` on about."""
+    """Flip the normals (C, 3) of the ring of cells that contains ``first``."""
     member = first
     while True:
         for k in range(3):
@@ -243,7 +244,7 @@ def _flip_ring(normal: Floats, following: Ints, first: int) -> None:
 
 @compiled
 def _turn_inward(normal: Floats, center: Floats, parent: Ints) -> None:
-    """Turn the normals (C, 3) of each component about that look away from the scene's middle."""
+    """Flip the normals (C, 3) of each component that points away from the scene's middle."""
     count = len(normal)
     middle = np.zeros(3)
     for i in range(count):
@@ -262,7 +263,7 @@ def _turn_inward(normal: Floats, center: Floats, parent: Ints) -> None:
 
 @compiled
 def across_edges(center: Floats, normal: Floats, lab: Floats, edges: Ints) -> Floats:
-    """Turn, bend, colour distance and length (E, 4) of each edge."""
+    """Return turn, bend, colour distance and length (E, 4) of each edge."""
     across = np.empty((len(edges), 4))
     for e in range(len(edges)):
         i, j = edges[e, 0], edges[e, 1]
@@ -316,7 +317,7 @@ def _grown(edges: Ints, weight: Floats, order: Ints, count: int, scale: float, f
 
 @compiled
 def _numbered(parent: Ints) -> Ints:
-    """Number (n,) of each thing's root, from 0, in the order in which they come."""
+    """Return the number (n,) of each element's root, from 0 in order of first occurrence."""
     number, result = np.full(len(parent), -1, np.int64), np.empty(len(parent), np.int64)
     found = 0
     for i in range(len(parent)):
@@ -329,7 +330,7 @@ def _numbered(parent: Ints) -> Ints:
 
 
 def bridges(graph: Graph, sensor: SensorKind, options: BridgeOptions) -> Ints:
-    """Return edges (B, 2) of cells between components that the graph leaves apart."""
+    """Return edges (B, 2) of cells between disconnected components of the graph."""
     none = np.empty((0, 2), np.int64)
     if sensor == "room" or len(graph.near) < 2:
         return none

@@ -1,7 +1,7 @@
-"""Regions grown from the clicks alone, piece by piece: the likeliest neighbour is added next.
+"""Regions grown from the clicks, piece by piece: the most likely neighbour is added next.
 
-The merge tree joins everywhere at once, so that a leg joined to the floor is lost to its chair;
-from a click only what touches the region counts.
+The merge tree joins all regions at once, so that a leg joined to the floor is lost to its chair.
+Growth from a click considers only neighbours of the region.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 OUTGROWN = 1.5
-"""Times its size by which a region grows before answers of its neighbours are outdated."""
+"""Growth factor of a region after which scores of its neighbours are outdated."""
 
 
 class _Around(NamedTuple):
-    """Neighbours of the pieces, and what is known of those round the region.
+    """Neighbours of the pieces, and the state of pieces around the region.
 
-    ``starts`` (P + 1,) where a piece's neighbours begin in ``far`` and ``border``; ``between``
-    (B, PAIR_WIDTH) sums of borders, ``shared`` (P, PAIR_WIDTH) of a piece's with the region;
-    ``inside``, ``asked`` (P,) pieces that are never added, and to be asked; ``version`` and
-    ``era`` (P,) of their answers; ``frontier`` (P,) the neighbours to be asked.
+    ``starts`` (P + 1,): start of a piece's neighbours in ``far`` and ``border``; ``between``
+    (B, PAIR_WIDTH): sums of borders; ``shared`` (P, PAIR_WIDTH): sums of a piece's border with the
+    region; ``inside`` (P,): pieces that are never added; ``asked`` (P,): pieces to be scored;
+    ``version`` and ``era`` (P,): of their scores; ``frontier`` (P,): neighbours to be scored.
     """
 
     starts: Ints
@@ -57,11 +57,11 @@ def grow_region(
     most: int,
     noted: int = 0,
 ) -> tuple[Ints, Floats, Floats, Ints]:
-    """Return the pieces added to ``seeds``, in order and at most so many, and their log odds.
+    """Return at most ``most`` pieces added to ``seeds``, in order, and their log odds.
 
-    ``leaves`` (P, WIDTH) sums of pieces; ``blocked`` (P,) are never added.  Also the pairs that
-    were scored, ``noted`` at most: rows (S, FEATURES), and how many pieces were added until then
-    and the one that was asked for (S, 2).
+    ``leaves`` (P, WIDTH): sums of pieces; ``blocked`` (P,): pieces that are never added.  The last
+    results are at most ``noted`` scored pairs: rows (S, FEATURES), and (S, 2) the number of pieces
+    added before with the scored piece.
     """
     count = len(leaves)
     around = _Around(
@@ -79,7 +79,7 @@ def grow_region(
 
 @compiled
 def neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]:
-    """Neighbours of each piece: where they begin (P + 1,), the pieces, and the borders to them."""
+    """Return the neighbours of each piece: starts (P + 1,), pieces, and borders to them."""
     starts = np.zeros(count + 1, np.int64)
     for b in range(len(pairs)):
         starts[pairs[b, 0] + 1] += 1
@@ -97,7 +97,7 @@ def neighbours(count: int, pairs: NDArray[np.int32]) -> tuple[Ints, Ints, Ints]:
 
 @innermost
 def _take_in(piece: int, leaves: Floats, region: Floats, around: _Around, reached: int) -> int:
-    """Add a piece to the region; the number of neighbours to be asked then."""
+    """Add a piece to the region; return the number of neighbours to be scored."""
     around.inside[piece] = True
     sums.add(region, leaves[piece], region)
     region[sums.PERIMETER] -= 2 * around.shared[piece, sums.EDGES]
@@ -123,7 +123,7 @@ def _odds(
     work: Floats,
     row: Floats,
 ) -> float:
-    """Log odds that a piece and the region are one object; their numbers are left in ``row``."""
+    """Return log odds that a piece and the region are one object; ``row``: gets their features."""
     if leaves[piece, sums.COUNT] < region[sums.COUNT]:
         pair_features(leaves[piece], region, around.shared[piece], area, work, row)
     else:
@@ -133,7 +133,10 @@ def _odds(
 
 @compiled
 def _likeliest(waiting: list[tuple[float, int, int]], around: _Around) -> tuple[int, float]:
-    """Take the likeliest neighbour and its log odds, replaced answers aside; -1 for none."""
+    """Remove and return the most likely neighbour and its log odds; -1: none.
+
+    Outdated entries are skipped.
+    """
     while len(waiting) > 0:
         minus, p, stamp = heapq.heappop(waiting)
         if around.version[p] == stamp and not around.inside[p]:

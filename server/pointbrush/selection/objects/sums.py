@@ -1,6 +1,6 @@
-"""Sums over pieces and their boundaries, and numbers that describe a region by its sums.
+"""Sums over pieces and their boundaries, and properties of a region by its sums.
 
-All add up when pieces merge; merging and valuing read a region by its sums.
+Sums are additive when pieces merge.  The merge and value models use the sums of a region.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from pointbrush.selection.objects.graph import Graph, eigenvalues
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-# Columns of a piece's sums: first what adds up, then lowest and highest values.
+# Columns of a piece's sums: first additive ones, then minima and maxima.
 COUNT, XYZ, SQUARES, NORMAL, LAB, LAB_SQUARES = 0, 1, 4, 10, 13, 16
 ROUGH, STEEP, PERIMETER = 19, 20, 21
 ADDED = 22
 LOW, HIGH = 22, 25
 WIDTH = 28
-"""Numbers of a piece; its z is the height over the ground."""
+"""Number of a piece's sums; its z is the height above the ground."""
 
 EDGES, TURN, CONCAVE, CONVEX, COLOUR, LENGTH = range(6)
 PAIR_WIDTH = 6
-"""Numbers of a boundary."""
+"""Number of a boundary's sums."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,8 +43,8 @@ def sum_pieces(
 ) -> Pieces:
     """Return the sums of pieces (C,) of cells at ``place`` (C, 3): x, y, height over ground.
 
-    ``bridges`` (B, 2) further edges, ``across`` (B, 4) as in Graph; they join, but are no
-    perimeter.
+    ``bridges`` (B, 2): further edges, ``across`` (B, 4) as in Graph; they connect pieces, but are
+    not part of the perimeter.
     """
     count = int(piece.max()) + 1 if len(piece) else 0
     sums = _piece_sums(count, piece, place, graph.normal, lab, graph.rough)
@@ -92,7 +92,7 @@ def _piece_sums(
 
 @innermost
 def add(one: Floats, other: Floats, into: Floats) -> None:
-    """Write the sums of two pieces together to ``into``, which may be one of them."""
+    """Write the sums of the union of two pieces to ``into``, which may be one of them."""
     for k in range(ADDED):
         into[k] = one[k] + other[k]
     for k in range(3):
@@ -102,7 +102,7 @@ def add(one: Floats, other: Floats, into: Floats) -> None:
 
 @innermost
 def extents(row: Floats, out: Floats) -> None:
-    """Write the root eigenvalues, metres, least first, of a region's spread to ``out`` (3,)."""
+    """Write the root eigenvalues of a region's spread, ascending, in metres, to ``out`` (3,)."""
     n, x, s = row[COUNT], XYZ, SQUARES
     mx, my, mz = row[x] / n, row[x + 1] / n, row[x + 2] / n
     low, middle, high = eigenvalues(

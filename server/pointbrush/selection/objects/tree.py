@@ -1,6 +1,6 @@
-"""The merge tree: neighbouring pieces joined one pair after the other, likeliest first.
+"""The merge tree: neighbouring pieces joined pair by pair, the most likely first.
 
-The merge model is told features of two pieces: the smaller a, the larger b.
+The merge model uses features of two pieces: the smaller a, the larger b.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ THIN_A, LONG_A, THIN_B, THIN_UNION, LONGER, APART_OVER_LONG = range(22, 28)
 ROUGH_A, ROUGH_B, STEEP_A, STEEP_B, HIGHER, LOW_A, LOW_B, LOWER, TALLER = range(28, 37)
 UNION_BOX, WIDER, TALLER_BOX, HIGH_A, SIZES = 37, 40, 41, 42, 43
 FEATURES = 44
-"""Numbers of a pair."""
+"""Number of features of a pair."""
 TINY = 1e-6
 Ints = NDArray[np.int64]
 GROWN = 1.1
-"""Times its size by which a piece must grow before pairs that it keeps are scored anew."""
+"""Growth factor of a piece after which its kept pairs are scored again."""
 
 
 @innermost
 def pair_features(
     a: Floats, b: Floats, pair: Floats, area: float, work: Floats, out: Floats
 ) -> None:
-    """Write the 44 numbers of a pair to ``out``.
+    """Write the 44 features of a pair to ``out``.
 
-    ``a``, ``b`` sums of the smaller and the larger piece, ``pair`` of their boundary; ``area``
-    of a cell, square metres; ``work`` (3, WIDTH) scratch.
+    ``a``, ``b``: sums of the smaller and the larger piece; ``pair``: sums of their boundary;
+    ``area``: of a cell, square metres; ``work`` (3, WIDTH): buffer.
     """
     na, nb, m = a[sums.COUNT], b[sums.COUNT], pair[sums.EDGES]
     out[SIZE_A], out[SIZE_B] = np.log(na * area), np.log(nb * area)
@@ -105,7 +105,7 @@ def _normals(a: Floats, b: Floats, out: Floats) -> None:
 
 @innermost
 def _extents(a: Floats, b: Floats, work: Floats, out: Floats) -> None:
-    """Write the extents of a, b and both; leaves the union's sums in ``work[0]``."""
+    """Write the extents of a, b and both; ``work[0]`` gets the union's sums."""
     sums.extents(a, work[1])
     out[THIN_A], out[LONG_A] = work[1][0], work[1][2]
     sums.extents(b, work[1])
@@ -118,10 +118,10 @@ def _extents(a: Floats, b: Floats, work: Floats, out: Floats) -> None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MergeTree:
-    """P pieces, numbers 0..P-1, and the M nodes that joined two, in the order of merging.
+    """P pieces, numbers 0..P-1, and M merged nodes in the order of merging.
 
-    ``parent`` (P + M,) int64, -1 for a root; ``score`` (P + M,) log odds of the merge that made
-    a node, inf for pieces; ``sums`` (P + M, WIDTH); ``first`` (B,) log odds of the first pairs.
+    ``parent`` (P + M,): int64, -1 for a root; ``score`` (P + M,): log odds of a node's merge, inf
+    for pieces; ``sums`` (P + M, WIDTH); ``first`` (B,): log odds of the first pairs.
     """
 
     parent: Ints
@@ -132,7 +132,7 @@ class MergeTree:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scored:
-    """Every pair that was scored: ``rows`` (S, FEATURES), ``nodes`` (S, 2) smaller and larger."""
+    """All scored pairs: ``rows`` (S, FEATURES), ``nodes`` (S, 2) smaller and larger."""
 
     rows: Floats
     nodes: Ints
@@ -144,7 +144,7 @@ def grow_tree(pieces: Pieces, area: float, model: Forest) -> MergeTree:
 
 
 def record_tree(pieces: Pieces, area: float, model: Forest, most: int) -> tuple[MergeTree, Scored]:
-    """Return the tree, and the pairs that were scored on the way, ``most`` at most."""
+    """Return the tree, and at most ``most`` scored pairs."""
     parent, score, totals, first, rows, nodes = _merge(
         pieces.sums, pieces.pairs, pieces.between, area, model, most
     )
@@ -152,13 +152,13 @@ def record_tree(pieces: Pieces, area: float, model: Forest, most: int) -> tuple[
 
 
 class _Borders(NamedTuple):
-    """B borders between nodes, while these are joined.
+    """B borders between nodes during merging.
 
-    ``ends`` (B, 2) nodes; ``between`` (B, PAIR_WIDTH) sums; ``version`` (B,) of the newest score,
-    -1 for those that have gone; ``sized`` (B,) cells of both nodes when scored, -1 to be scored
-    anew; ``fresh`` (B,) begins with those.  A node's borders are a list from ``head`` (M,) through
-    ``following`` (2 B,), slots 2 b and 2 b + 1 of border b, one for each end.  ``at`` (M,): the
-    border of a neighbour with the newest node, where that has ``seen`` (M,) it.
+    ``ends`` (B, 2): nodes; ``between`` (B, PAIR_WIDTH): sums; ``version`` (B,): of the newest
+    score, -1 for removed borders; ``sized`` (B,): cells of both nodes when scored, -1 to be scored
+    again; ``fresh`` (B,): starts with the latter.  A node's borders are a linked list from ``head``
+    (M,) through ``following`` (2 B,), with slots 2 b and 2 b + 1 for the ends of border b.  ``at``
+    (M,): border of a neighbour with the newest node, if that is in ``seen`` (M,).
     """
 
     ends: Ints
@@ -174,7 +174,7 @@ class _Borders(NamedTuple):
 
 @compiled
 def _borders_of(pairs: Ints, between: Floats, nodes: int) -> _Borders:
-    """The borders between the first ``pairs`` (B, 2), room for so many ``nodes``; all are fresh."""
+    """Return the borders of the first ``pairs`` (B, 2), all fresh, with space for ``nodes``."""
     count = len(pairs)
     head, following = np.full(nodes, -1, np.int64), np.full(2 * count, -1, np.int64)
     for b in range(count):
@@ -196,7 +196,7 @@ def _borders_of(pairs: Ints, between: Floats, nodes: int) -> _Borders:
 
 @innermost
 def _pass_on_borders(borders: _Borders, total: Floats, node: int, joined: tuple[int, int]) -> int:
-    """Give a new node the borders of the ``joined`` two; how many begin ``fresh`` now."""
+    """Move the borders of the ``joined`` nodes to a new node; return the number of fresh ones."""
     count = 0
     for old in joined:
         slot = borders.head[old]
@@ -210,12 +210,12 @@ def _pass_on_borders(borders: _Borders, total: Floats, node: int, joined: tuple[
 
 @innermost
 def _pass_on(borders: _Borders, total: Floats, node: int, slot: int, count: int) -> int:
-    """Give a new node the border of a slot; the new ``count`` of fresh ones."""
+    """Move the border of a slot to a new node; return the new ``count`` of fresh ones."""
     b, side = slot // 2, slot % 2
     far = borders.ends[b, 1 - side]
     borders.ends[b, side] = node
     if borders.seen[far] == node:
-        # Both had this neighbour: their borders become one.
+        # Both had this neighbour: their borders are merged.
         kept, changed = borders.at[far], True
         for k in range(PAIR_WIDTH):
             borders.between[kept, k] += borders.between[b, k]
@@ -234,14 +234,17 @@ def _pass_on(borders: _Borders, total: Floats, node: int, slot: int, count: int)
 
 @innermost
 def _smaller_first(total: Floats, ends: Ints, border: int) -> tuple[int, int]:
-    """Both nodes of a border, the one of fewer cells first."""
+    """Return both nodes of a border, the one with fewer cells first."""
     one, other = ends[border, 0], ends[border, 1]
     return (other, one) if total[one, sums.COUNT] > total[other, sums.COUNT] else (one, other)
 
 
 @compiled
 def _best_border(waiting: list[tuple[float, int, int]], version: Ints) -> tuple[int, float]:
-    """Take the likeliest border of the heap and its log odds, outdated ones aside; -1 for none."""
+    """Remove and return the most likely border of the heap and its log odds; -1: none.
+
+    Outdated entries are skipped.
+    """
     while len(waiting) > 0:
         minus, b, stamp = heapq.heappop(waiting)
         if version[b] == stamp:
@@ -251,7 +254,7 @@ def _best_border(waiting: list[tuple[float, int, int]], version: Ints) -> tuple[
 
 @innermost
 def _copy(values: Floats, out: Floats) -> None:
-    """Write ``values`` to ``out``: an assignment would take 2 s longer to compile, by its error."""
+    """Write ``values`` to ``out``; an assignment takes 2 s longer to compile, for its error."""
     for k in range(len(values)):
         out[k] = values[k]
 

@@ -1,4 +1,4 @@
-"""Regions that clicks can mean: unions of nodes of the merge tree."""
+"""Candidate regions of clicks: unions of nodes of the merge tree."""
 
 from __future__ import annotations
 
@@ -32,21 +32,22 @@ class Origin(IntEnum):
     KEPT = 3
     """The points taken so far."""
     GROWN = 4
-    """Pieces that the clicks grow to, one after the other."""
+    """Pieces grown from the clicks one by one."""
     PLANE = 5
     """A floor, a wall or a table top."""
 
 
 MOST_ODDS = 8.0
-"""Log odds of a merge at most; those of a region that no merge made."""
+"""Maximum log odds of a merge, and value for a region without a merge."""
 STEP = 1.03
-"""Times its size by which a union must grow to be another one."""
+"""Minimum growth factor between two different unions."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Unions:
-    """n regions: ``masks`` (n, P) pieces; ``made``, ``ended`` (n,) log odds of the merges that
-    made a region and that takes it further; ``origin`` (n,) an ``Origin``.
+    """n regions: ``masks`` (n, P) of pieces; ``origin`` (n,): an ``Origin``.
+
+    ``made`` and ``ended`` (n,): log odds of the last merge in a region and of its next merge.
     """
 
     masks: Mask
@@ -66,12 +67,10 @@ def find_unions(
     model: Forest,
     options: LadderOptions,
 ) -> Unions:
-    """Return the regions that hold the wanted clicks and none of the unwanted ones.
+    """Return the regions with all wanted clicks and no unwanted ones.
 
-    ``model`` is the merge model.
-
-    What can be added to ``taken`` and removed from it is offered besides; the last region is then
-    that of ``taken`` itself.
+    ``model`` is the merge model.  With ``taken``, additions to it and removals from it are
+    included; the last region is then ``taken`` itself.
     """
     n, most = state.piece_count, options.times
     nothing = np.zeros(n, np.bool_)
@@ -105,7 +104,7 @@ def _joined(parts: list[Unions]) -> Unions:
 
 
 def _once(unions: Unions) -> Unions:
-    """The same without repeated masks; the first stays."""
+    """Return the unions without repeated masks; the first one stays."""
     first: dict[bytes, int] = {}
     for i, packed in enumerate(np.packbits(unions.masks, axis=1)):
         first.setdefault(packed.tobytes(), i)
@@ -116,14 +115,14 @@ def _once(unions: Unions) -> Unions:
 def _over_times(
     state: ObjectState, seeds: Ints, blocked: Ints, most: int, base: Mask, origin: Origin
 ) -> Unions:
-    """Unions, over merge times, of each seed's largest node so far that no blocked piece is in."""
+    """Return unions, over merge times, of each seed's largest node without blocked pieces."""
     chains = [_chain(state.parent, int(seed), blocked) for seed in np.unique(seeds)]
     times = np.unique(np.concatenate(chains)) if chains else np.empty(0, np.int64)
     if len(times) == 0:
         nothing = np.empty(0)
         return Unions(np.empty((0, len(base)), np.bool_), nothing, nothing, np.empty(0, np.int64))
     reached = np.stack([chain[np.searchsorted(chain, times, "right") - 1] for chain in chains], 1)
-    # A seed whose chain begins later than a time has its own piece until then.
+    # Before the start of its chain a seed has its own piece.
     starts = np.array([chain[0] for chain in chains])
     reached = np.maximum(reached, starts)
     sizes = _sizes(reached, state.sums[:, sums.COUNT])
@@ -137,7 +136,7 @@ def _over_times(
 def _grown(
     state: ObjectState, seeds: Ints, blocked: Ints, model: Forest, options: LadderOptions
 ) -> Unions:
-    """Regions on the way from the seeds: of each size the one that least wants to grow."""
+    """Return regions grown from the seeds: per range of sizes the one least likely to grow."""
     count = state.piece_count
     barred = np.zeros(count, np.bool_)
     barred[blocked] = True
@@ -159,7 +158,7 @@ def _grown(
 
 
 def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
-    """Pieces of the plane that all seeds lie on; nothing if there is none."""
+    """Return the pieces of the plane that contains all seeds; empty if there is none."""
     planes = np.unique(state.plane[seeds])
     found = planes if len(planes) == 1 and planes[0] >= 0 else planes[:0]
     masks = state.plane == found[:, None]
@@ -170,7 +169,7 @@ def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
 
 
 def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -> Ints:
-    """Numbers, ascending, of at most ``most`` sizes: in each step of the sizes the least ended."""
+    """Return ascending indices of at most ``most`` sizes, with the least ``ended`` of each step."""
     if size[-1] <= size[0]:
         return np.zeros(1, np.int64)
     step = np.minimum((most * np.log(size / size[0]) / np.log(size[-1] / size[0])), most - 1)
@@ -180,14 +179,14 @@ def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -
 
 
 def _after(state: ObjectState, reached: Ints) -> NDArray[np.float64]:
-    """Greatest log odds (n,) of the merges that take the nodes further, -8 for none."""
+    """Return the maximum log odds (n,) of the next merges of the nodes, -8 for none."""
     parents = state.parent[reached].astype(np.int64)
     odds = np.where(parents >= 0, state.score[np.maximum(parents, 0)], -8.0)
     return np.asarray(np.clip(odds.max(axis=1), -8.0, 8.0), np.float64)
 
 
 def _chain(parent: NDArray[np.int32], piece: int, blocked: Ints) -> Ints:
-    """A piece and its ancestors that hold no blocked piece, ascending."""
+    """Return a piece and its ancestors without blocked pieces, ascending."""
     barred = _ancestors(parent, blocked)
     chain, node = [piece], int(parent[piece])
     while node >= 0 and not barred[node]:
@@ -198,7 +197,7 @@ def _chain(parent: NDArray[np.int32], piece: int, blocked: Ints) -> Ints:
 
 @compiled
 def _ancestors(parent: NDArray[np.int32], pieces: Ints) -> Mask:
-    """Return the nodes that hold one of the pieces."""
+    """Return a mask of the nodes that contain one of the pieces."""
     held = np.zeros(len(parent), np.bool_)
     for piece in pieces:
         node = piece
@@ -210,7 +209,7 @@ def _ancestors(parent: NDArray[np.int32], pieces: Ints) -> Mask:
 
 @compiled
 def _sizes(reached: Ints, size: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cells (n,) of the unions of nodes (n, seeds), each node once."""
+    """Return the number of cells (n,) of unions of nodes (n, seeds), counting each node once."""
     total = np.zeros(len(reached))
     for i in range(len(reached)):
         for s in range(reached.shape[1]):
@@ -223,7 +222,7 @@ def _sizes(reached: Ints, size: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _spread(sizes: NDArray[np.float64], most: int) -> Ints:
-    """Numbers of at most ``most`` sizes, ascending: the last ones before a growth by a step."""
+    """Return ascending indices of at most ``most`` sizes: the last ones before a step of growth."""
     step = STEP
     while True:
         growth = np.append(sizes[1:] / sizes[:-1], np.inf)
@@ -235,7 +234,7 @@ def _spread(sizes: NDArray[np.float64], most: int) -> Ints:
 
 @compiled
 def _masks(parent: NDArray[np.int32], reached: Ints, pieces: int) -> Mask:
-    """Pieces (n, P) under the nodes (n, seeds)."""
+    """Return masks (n, P) of the pieces below the nodes (n, seeds)."""
     masks = np.zeros((len(reached), pieces), np.bool_)
     inside = np.zeros(len(parent), np.bool_)
     for i in range(len(reached)):

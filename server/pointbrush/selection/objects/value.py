@@ -1,4 +1,4 @@
-"""Features of a candidate for the value model, and its answer: the IoU to expect."""
+"""Features of a candidate for the value model, and the expected IoU."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from pointbrush.selection.objects.weights import Forest, answer
 Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 VALUES = 60
-"""Numbers of a candidate."""
+"""Number of features of a candidate."""
 REGION, CUT, CLICKS, HISTORY, STEPS, SUPPORT = 0, 23, 31, 39, 45, 54
 LEVEL = 0.9
-"""Mean |nz| from which on a piece counts as level."""
+"""Minimum mean |nz| of a level piece."""
 BOTTOM = 0.2
-"""Share of a region's height that is its bottom."""
+"""Share of a region's height that counts as its bottom."""
 FAR = 1e3
-"""Metres; stands for no such cell."""
+"""Metres; placeholder for no such cell."""
 
 
 def value_features(
     state: ObjectState, unions: Unions, wanted: Clicks, unwanted: Clicks, mask: Mask | None
 ) -> Floats:
-    """Return the numbers (n, VALUES) of candidates, in the order of ``unions``."""
+    """Return the features (n, VALUES) of candidates, in the order of ``unions``."""
     pieces = state.piece_count
     leaves, masks = state.sums[:pieces], unions.masks
     out = np.zeros((len(masks), VALUES))
@@ -42,7 +42,7 @@ def value_features(
     out[:, CLICKS + 5], out[:, CLICKS + 6] = len(wanted), len(unwanted)
     out[:, CLICKS + 7] = out[:, CLICKS] / np.maximum(out[:, CLICKS + 3], 1e-3)
     _history(leaves[:, sums.COUNT], unions, mask, out[:, HISTORY:STEPS])
-    # What grows from the clicks is a way of its own: its steps are from one to the next on it.
+    # Grown regions and planes form separate sequences, with steps within each of them.
     grown, flat = unions.origin == Origin.GROWN, unions.origin == Origin.PLANE
     for part in (np.flatnonzero(~grown & ~flat), np.flatnonzero(grown), np.flatnonzero(flat)):
         if len(part):
@@ -56,7 +56,7 @@ def value_features(
 
 @compiled
 def values(features: Floats, model: Forest) -> Floats:
-    """Return the expected IoU (n,) of candidates by their numbers (n, VALUES)."""
+    """Return the expected IoU (n,) of candidates by their features (n, VALUES)."""
     result = np.empty(len(features))
     for i in range(len(features)):
         result[i] = answer(model, features[i])
@@ -85,8 +85,11 @@ def _bounds(masks: Mask, leaves: Floats, total: Floats) -> None:
 def _cut(
     masks: Mask, pairs: NDArray[np.int32], between: NDArray[np.float32], odds: NDArray[np.float32]
 ) -> Floats:
-    """Sums (n, 9) over the boundary: the six of a pair, edges times probability, its greatest;
-    the last is the mean probability inside."""
+    """Return sums (n, 9) over the boundary.
+
+    They are the six sums of a pair, edges times probability, the maximum probability, and the mean
+    probability inside.
+    """
     out = np.zeros((len(masks), 9))
     chance = 1.0 / (1.0 + np.exp(-odds.astype(np.float64)))
     for i in range(len(masks)):
@@ -115,11 +118,11 @@ def _support(
     total: Floats,
     out: Floats,
 ) -> None:
-    """Write what tells a thing from a thing with what it stands on to ``out`` (n, 6).
+    """Write features that separate an object from its support to ``out`` (n, 6).
 
-    Shares of the region that are the clicked pieces, its largest piece, and level pieces at its
-    bottom; over its boundary: the share of level pieces below it, how level what is outside is,
-    and how much higher it is, metres.
+    They are shares of the region: clicked pieces, the largest piece, level pieces at its bottom;
+    and over its boundary: the share of level pieces below it, the levelness of the outside, and its
+    height difference in metres.
     """
     z = sums.XYZ + 2
     for i in range(len(masks)):
@@ -170,7 +173,7 @@ def _region(row: Floats, cut: Floats, area: float, out: Floats) -> None:
     sums.box(row, out[at + 11 : at + 14])
     out[at + 14], out[at + 15] = row[sums.LOW + 2], row[sums.HIGH + 2]
     out[at + 16] = row[sums.XYZ + 2] / n
-    # How much of its upright box, and of its own extent, a region fills.
+    # Filled shares of the upright box, and of a region's own extent.
     out[at + 17] = np.log(n * area / max(out[at + 12] * (out[at + 11] + out[at + 13]), 1e-6))
     out[at + 18] = np.log(n * area / max(high * middle, 1e-6))
     variance = 0.0
@@ -189,8 +192,8 @@ def _region(row: Floats, cut: Floats, area: float, out: Floats) -> None:
 
 @compiled
 def _reach_loop(masks: Mask, nearest: Floats, farthest: Floats) -> Floats:
-    """Least and mean distance (n, 4) from a click to the nearest outside; mean and greatest to
-    the farthest inside."""
+    """Return distances (n, 4) of clicks: minimum and mean to the nearest cell outside, mean and
+    maximum to the farthest cell inside."""
     out = np.zeros((len(masks), 4))
     clicks = len(nearest)
     for i in range(len(masks)):
@@ -214,7 +217,7 @@ def _reach(masks: Mask, clicks: Clicks) -> Floats:
 
 
 def _nearest(masks: Mask, clicks: Clicks) -> Floats:
-    """Distance (n,) from an unwanted click to the nearest cell inside."""
+    """Return the distance (n,) of an unwanted click from the nearest cell inside."""
     if len(clicks) == 0:
         return np.full(len(masks), FAR)
     least = clicks.nearest.min(axis=0)
@@ -222,7 +225,7 @@ def _nearest(masks: Mask, clicks: Clicks) -> Floats:
 
 
 def _history(size: Floats, unions: Unions, mask: Mask | None, out: Floats) -> None:
-    """Write the overlap with the mask so far, growth, origin, and the scores of the merges."""
+    """Write the overlap with the current mask, growth, origin, and the scores of the merges."""
     if mask is not None:
         before = float(size[mask].sum())
         both = (unions.masks & mask).astype(np.float64) @ size
@@ -234,7 +237,7 @@ def _history(size: Floats, unions: Unions, mask: Mask | None, out: Floats) -> No
 
 
 def _steps(size: Floats, reach: Floats, made: Floats, after: Floats) -> Floats:
-    """Size and reach (n, 9) against the next smaller and larger candidate, and scores beside."""
+    """Return size and reach (n, 9) relative to the adjacent candidates by size, and scores."""
     order = np.argsort(size, kind="stable")
     ranked = np.log(np.maximum(size[order], 1.0))
     far = np.log(np.maximum(reach[order], 1e-4))

@@ -20,10 +20,10 @@ FILE = Path(__file__).with_name("weights.npz")
 
 
 class Forest(NamedTuple):
-    """Trees that share their arrays; a node's children follow its tree's numbers.
+    """Trees in shared arrays.
 
-    ``feature`` (n,) int16, -1 for a leaf; ``threshold`` (n,) float32: left when a value is not
-    above it, and a leaf's value; ``left``, ``right`` (n,) int32; ``roots`` (trees,) int32.
+    ``feature`` (n,): int16, -1 for a leaf; ``threshold`` (n,): float32, left if the value is not
+    above it; the value of a leaf; ``left``, ``right`` (n,): int32; ``roots`` (trees,): int32.
     """
 
     feature: NDArray[np.int16]
@@ -46,7 +46,7 @@ def answer(model: Forest, row: NDArray[np.float64]) -> float:
 
 
 class Weights(NamedTuple):
-    """``merge`` says which pieces are one object, ``value`` how good a candidate is."""
+    """``merge``: model of pieces being one object; ``value``: model of a candidate's quality."""
 
     merge: Forest
     value: Forest
@@ -72,7 +72,7 @@ def load_weights(path: Path) -> dict[SensorKind, Weights]:
 
 
 def save_weights(path: Path, weights: Mapping[SensorKind, Weights]) -> None:
-    """Write weights; children are kept as steps from their node, which pack better."""
+    """Write weights; children are stored relative to their node, which compresses better."""
     arrays: dict[str, Any] = {}
     for sensor, pair in weights.items():
         for kind, forest in pair._asdict().items():

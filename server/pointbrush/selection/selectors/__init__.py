@@ -1,7 +1,7 @@
-"""Selectors answer clicks with regions: the built-in one, those of plug-ins, one over HTTP.
+"""Selectors, which return regions for clicks: built-in, from plug-ins, and over HTTP.
 
-A package adds one with an entry point of the group ``pointbrush.selectors`` that names a class (or
-function) whose call without arguments gives a ``Selector``.
+A package adds one with an entry point of the group ``pointbrush.selectors`` that names a class or
+function; called without arguments, it returns a ``Selector``.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def make_selector(name: str) -> Selector:
 
     Raises BadInputError for an unknown name.
     """
-    # Here, since what is compiled is loaded with them.
+    # Imported here, because they load compiled loops.
     if name == BUILT_IN:
         from pointbrush.selection.selectors.tree import TreeSelector
 

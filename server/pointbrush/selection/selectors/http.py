@@ -1,4 +1,4 @@
-"""A selector on another machine, asked over HTTP: a promptable network with a GPU, say.
+"""A remote selector over HTTP, such as a promptable network with a GPU.
 
 Version 1 of the calls, each a POST with an .npz body and an .npz answer:
 
@@ -31,28 +31,28 @@ from pointbrush.selection.selectors.interface import Mask, Region, StateLostErro
 
 @dataclass(frozen=True, slots=True)
 class HttpOptions:
-    """Bounds of a call."""
+    """Limits of a call."""
 
     prepare_seconds: float = 120.0
-    """Longest wait for the answer to a frame."""
+    """Timeout of the answer to a frame."""
     click_seconds: float = 10.0
-    """Longest wait for the answer to a click."""
+    """Timeout of the answer to a click."""
     answer_bytes: int = 256 * 2**20
-    """Greatest answer."""
+    """Maximum size of an answer in bytes."""
     most_candidates: int = 6
-    """Regions in an answer."""
+    """Maximum number of regions in an answer."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Remote:
-    """The other side's word for a frame, and the frame's number of points."""
+    """The service's state of a frame, and the frame's number of points."""
 
     state: NDArray[np.uint8]
     count: int
 
 
 class HttpSelector:
-    """Asks the service at ``address``; raises UnavailableError when it does not answer."""
+    """Client of the service at ``address``; raises UnavailableError if it does not answer."""
 
     def __init__(self, address: str, options: HttpOptions | None = None) -> None:
         self._options = options or HttpOptions()
@@ -61,7 +61,7 @@ class HttpSelector:
         self.version = "http-1"
 
     def prepare(self, frame: ObjectFrame) -> _Remote:
-        """Send a frame, and keep what it is called there."""
+        """Send a frame; return the service's state of it."""
         arrays: dict[str, NDArray[Any]] = {
             "xyz": np.asarray(frame.xyz, np.float32),
             "sensor": np.array(frame.sensor),
@@ -80,7 +80,7 @@ class HttpSelector:
         negatives: NDArray[np.float64],
         mask: Mask | None,
     ) -> Sequence[Region]:
-        """Ask what clicks mean; see ``Selector``."""
+        """Return the candidates of clicks; see ``Selector``."""
         arrays: dict[str, NDArray[Any]] = {
             "state": state.state,
             "positives": positives,

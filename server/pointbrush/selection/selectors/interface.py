@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 Mask = NDArray[np.int64]
 """Numbers of points, ascending."""
 Region = tuple[Mask, float]
-"""Numbers of the points of a candidate, and its score: 0..1, the overlap that is expected."""
+"""Numbers of the points of a candidate, and its score: the expected overlap, 0 to 1."""
 
 
 class StateLostError(UnavailableError):
-    """A selector does not know a state any more: its frame must be prepared anew."""
+    """A selector has lost a state; its frame must be prepared again."""
 
 
 class Selector(Protocol):
@@ -37,22 +37,22 @@ class Selector(Protocol):
         negatives: NDArray[np.float64],
         mask: Mask | None,
     ) -> Sequence[Region]:
-        """Return at most six regions, the one to show first in front.
+        """Return at most six regions, the best first.
 
-        ``positives`` (K, 3) and ``negatives`` (L, 3) are places on the surface, local metres;
-        ``mask`` is what was taken so far.
+        ``positives`` (K, 3) and ``negatives`` (L, 3) are places on the surface, in local metres;
+        ``mask``: points taken so far.
         """
 
 
 @runtime_checkable
 class StoredSelector(Protocol):
-    """A selector whose states are kept on disk, and made in a process of their own."""
+    """A selector with states that are computed in a separate process and stored on disk."""
 
     version: str
-    """Of its states: those of another version are prepared anew."""
+    """Version of its states; states of another version are prepared again."""
 
     def save(self, state: Any, path: Path) -> None:
         """Write a state to a file."""
 
     def load(self, path: Path) -> Any:
-        """Read a file that ``save`` wrote; raises BadInputError for anything else."""
+        """Read a file of ``save``; raises BadInputError for another file."""

@@ -14,7 +14,7 @@ from pointbrush.selection.selectors.interface import Mask, Region
 
 
 class TreeSelector:
-    """A ``StoredSelector`` that needs nothing but the frame."""
+    """A ``StoredSelector`` without external dependencies."""
 
     version = f"tree-{VERSION}"
 
