@@ -169,21 +169,19 @@ def _track(boxes: Mapping[int, FrameBox]) -> BoxTrack:
     first = next(iter(boxes.values()))
     known = all(box.attributes.get(HEADING, True) for box in boxes.values())
     sizes = np.stack([box.size for box in boxes.values()])
-    shared = _shared([box.attributes for box in boxes.values()])
+    every = [{k: v for k, v in b.attributes.items() if k != HEADING} for b in boxes.values()]
+    shared = _shared(every)
     poses = {
         frame: BoxPose(
             box.center,
             quaternion_of(box.rotation),
             "imported",
-            attributes={
-                k: v for k, v in box.attributes.items() if k not in shared and k != HEADING
-            },
+            attributes={k: v for k, v in own.items() if k not in shared},
         )
-        for frame, box in boxes.items()
+        for (frame, box), own in zip(boxes.items(), every, strict=True)
     }
     resized = bool((np.ptp(sizes, axis=0) > SAME_SIZE).any())
     size = np.median(sizes, axis=0)
-    shared.pop(HEADING, None)
     return BoxTrack(first.name, first.key, first.label, size, poses, shared, resized, first, known)
 
 
