@@ -42,10 +42,10 @@ def test_the_palette_teaches_asks_and_applies(
     with headset.page.expect_response("**/doubt/answers") as ignored:
         headset.click("palette", "Neither")
     assert ignored.value.status == 204
-    headset.until("hs.areas('palette').some(({ name }) => name === 'room')")
+    # The answer leads on to the next doubt, which may be in another frame.
+    headset.until("pb.drawnLabels()[65344] > 0")
     headset.click("palette", "room")
     headset.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
-    # The answer led on to the next doubt, which may be in another frame.
     headset.click("palette", "Apply to this frame")
     headset.until("pb.state.jobs.value.some((job) => job.state === 'done')")
     assert most_labelled(server) > MOST

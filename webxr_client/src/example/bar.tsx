@@ -9,6 +9,7 @@ import { frameRange, ordered } from '../store/range';
 import { canEdit, canManage, state } from '../store/state';
 import { coloursOf, type Question, type Scope, type Shows } from './model';
 import {
+  answerable,
   answerDoubt,
   applyPrediction,
   asking,
@@ -163,11 +164,11 @@ function Asked({ place }: { place: Question }) {
       <div class="example-parts line wrap grow">
         <span>Which class is at the ring?</span>
         {answers.map(([name, keys], k) => (
-          <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!canEdit.value} onClick={() => answerDoubt(k as 0 | 1)}>
+          <button key={name} type="button" class="button outlined" data-keys={keys} data-tip={`Paint it as ${name}`} disabled={!answerable.value} onClick={() => answerDoubt(k as 0 | 1)}>
             <Swatch color={colours[k]!} /> <span class="button-label">{name}</span>
           </button>
         ))}
-        <button type="button" class="button outlined" data-keys="Alt Enter" data-tip="Leave these points without a label, and do not ask again" disabled={!canEdit.value} onClick={() => answerDoubt('none')}>
+        <button type="button" class="button outlined" data-keys="Alt Enter" data-tip="Leave these points without a label, and do not ask again" disabled={!answerable.value} onClick={() => answerDoubt('none')}>
           <span class="button-label">None of these</span>
         </button>
         <span class="soft">or paint another class</span>

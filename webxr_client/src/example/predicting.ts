@@ -162,10 +162,13 @@ export class Predicting {
   /** Paint a ball of a class at the place in doubt, or ignore the place, and go to the next. */
   private carryOut(choice: Answer): void {
     const place = question.peek();
-    const frame = this.engine.frame();
-    if (place && choice === 'none') void ignore(place).then(nextDoubt);
-    const name = choice === 'none' ? undefined : place?.classes[choice];
-    if (!place || name === undefined || frame?.index !== place.frame) return;
+    if (!place) return;
+    if (choice === 'none') {
+      leaveQuestion();
+      void ignore(place).then(nextDoubt);
+      return;
+    }
+    const name = place.classes[choice]!;
     const label = labelOf(name, state.palette.peek());
     if (label) this.paint(place.centre, place.radius, label.id);
     else void actions.createLabel(name).then((id) => this.paint(place.centre, place.radius, id));

@@ -1,9 +1,9 @@
 /** State of label by example, and its requests to the server. */
-import { signal } from '@preact/signals';
+import { computed, signal } from '@preact/signals';
 import { attempt, sequencePath } from '../engine/recordings';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
-import { notify, state } from '../store/state';
+import { canEdit, notify, state } from '../store/state';
 import { marked } from '../work/places';
 import {
   predictionOf,
@@ -33,15 +33,20 @@ export const looking: { at: () => readonly number[] | undefined } = { at: () => 
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
 
+/** Whether the place of the question is on screen and may be painted. */
+export const answerable = computed(
+  () => canEdit.value && question.value?.frame === state.shown.value.frame,
+);
+
 /** The first or the second class of the question, or none of the classes. */
 export type Answer = 0 | 1 | 'none';
 
 /** The answer that was chosen, until it is carried out. */
 export const answer = signal<Answer | null>(null);
 
-/** Answer the question; false when there is none. */
+/** Answer the question; false when there is none, or another frame is on screen. */
 export function answerDoubt(choice: Answer): boolean {
-  if (!question.peek()) return false;
+  if (!answerable.peek()) return false;
   answer.value = choice;
   return true;
 }

@@ -2,6 +2,7 @@
 import { coloursOf, type Question } from '../../../example/model';
 import {
   type Answer,
+  answerable,
   answerDoubt,
   applyPrediction,
   asking,
@@ -24,6 +25,7 @@ import { VIEWER } from './rows';
 /** Signals that the page shows. */
 export const EXAMPLE = [
   exampleOpen, classifier, classifiers, predicted, question, shows, asking, canEdit,
+  answerable,
 ] as const; // prettier-ignore
 
 const PITCH = 2.6;
@@ -56,11 +58,15 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     { icon: 'target', text: 'Next doubt', strong: true, align: 'left' }, () => void nextDoubt()); // prettier-ignore
   const place = question.peek();
   if (place) drawAnswers(ui, x, line(4), inner, place);
-  const here = state.frame.peek();
   const ready = canEdit.peek() && predicted.peek()?.points !== 0;
   ui.button(x, line(5), inner - em * 0.2, em * 2.2,
     { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !ready },
-    () => void applyPrediction(`${here}:${here + 1}`, 0)); // prettier-ignore
+    applyHere); // prettier-ignore
+}
+
+function applyHere(): void {
+  const here = state.frame.peek();
+  void applyPrediction(`${here}:${here + 1}`, 0);
 }
 
 /** Return the reason why nothing can be learned yet, or "". */
@@ -91,7 +97,7 @@ function drawAnswers(ui: Ui, x: number, y: number, inner: number, place: Questio
         ? { text: 'Neither' }
         : { text: place.classes[choice]!, swatch: colours[choice]! };
     ui.button(x + k * third, y, third - em * 0.2, em * 2.2,
-      { ...look, strong: true, align: 'left', disabled: !canEdit.peek() },
+      { ...look, strong: true, align: 'left', disabled: !answerable.peek() },
       () => answerDoubt(choice)); // prettier-ignore
   });
 }
