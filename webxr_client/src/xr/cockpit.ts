@@ -33,7 +33,7 @@ import { UpDown } from './input/up-down';
 import { LabelRing } from './bodies/label-ring';
 import { resetWorld, WorldGrab } from './moving/world';
 
-/** Metres from the floor to the eyes of somebody who stands. */
+/** Metres from the floor to the eyes of a standing person. */
 const EYES = 1.6;
 /** Two pinches that begin within this, milliseconds, are one gesture. */
 const TOGETHER_MS = 250;
@@ -167,7 +167,7 @@ export class Cockpit {
     );
   }
 
-  /** A bare press that the system answers at once was its own gesture; what a trigger painted stays. */
+  /** Undo a bare press that was the system's gesture; strokes of a trigger stay. */
   private cover(): void {
     const { brush, painter } = this;
     if (brush?.kind.fleeting !== true) painter.interrupt(brush);
@@ -216,7 +216,7 @@ export class Cockpit {
     parts.add((now) => this.hud.update(this.rig, seconds, now));
   }
 
-  /** Lift people who sit, or have no floor, to where standing people look from. */
+  /** Lift seated people, and people without a floor, to the eye height of standing people. */
   private settle(seated: boolean): void {
     const lifted = seated || !this.floor;
     this.rig.liftTo(lifted ? EYES - this.rig.headInRig.y : 0);
@@ -287,7 +287,7 @@ export class Cockpit {
     if (brush && this.painter.painting && !before) this.lessons.done('paint', brush.device);
   }
 
-  /** End the stroke and wait for presses to be let go: what was at hand is elsewhere. */
+  /** End the stroke and ignore presses until their release, as the targets have moved. */
   private interrupt(): void {
     this.painter.interrupt(this.brush);
     this.pointers.disarm();

@@ -1,4 +1,4 @@
-/** The first minute: one hint after the other, each finished by doing what it says. */
+/** The first minute: a sequence of hints, each completed by performing its action. */
 import type { Engine } from '../engine/engine';
 import { notify, state, trackingJob } from '../store/state';
 import { peek, watch } from '../store/watch';

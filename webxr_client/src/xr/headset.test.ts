@@ -5,7 +5,7 @@ import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { Headset } from './headset';
 
-/** A browser that has these modes, and whose sessions end when they are told to. */
+/** A browser with these modes; its sessions end on request. */
 function browser(modes: readonly string[]) {
   const ended: (() => void)[] = [];
   const offer = { take: (): void => undefined };

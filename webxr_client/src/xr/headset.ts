@@ -61,7 +61,7 @@ export class Headset {
       patch(state.xr, { supported: false, detail });
       return;
     }
-    // A page that nobody sees costs pictures: its panels are away meanwhile.
+    // An invisible page costs frames: its panels are hidden during a session.
     follow(() => {
       const presenting = state.xr.value.session === 'running';
       document.documentElement.toggleAttribute('data-presenting', presenting);
@@ -75,7 +75,7 @@ export class Headset {
     void this.look(xr);
   }
 
-  /** Find out what the browser has. */
+  /** Query the browser's supported modes. */
   private async look(xr: XRSystem): Promise<void> {
     const asks = (mode: Mode): Promise<boolean> => xr.isSessionSupported(mode).catch(() => false);
     const [vr, ar] = await Promise.all([asks('immersive-vr'), asks('immersive-ar')]);
@@ -117,7 +117,7 @@ export class Headset {
     }
   }
 
-  /** The session did not begin: nobody is left inside one that shows nothing. */
+  /** End a session that failed to start, so that no empty session remains. */
   private async giveUp(detail: string): Promise<void> {
     this.leaving = true;
     this.trouble = detail;
@@ -229,7 +229,7 @@ async function hasFloor(session: XRSession): Promise<boolean> {
   }
 }
 
-/** Ask for the best frame rate that is worth it; some browsers never answer. Returns what there is. */
+/** Request the best useful frame rate and return the actual one; some browsers never answer. */
 async function chooseRate(session: XRSession): Promise<number> {
   const rates = session.supportedFrameRates;
   if (!rates) return session.frameRate ?? DEFAULT_RATE;

@@ -1,4 +1,4 @@
-/** `window.__pointbrushHeadset`: what tests may look at in the headset. */
+/** `window.__pointbrushHeadset`: state of the headset for tests. */
 import type { Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
 import { halted, unsure } from '../engine/review';
@@ -52,7 +52,7 @@ export function installHeadsetHook(
       at: inRig(onPanel(name, u, v, 0)),
       out: inRig(onPanel(name, u, v, 0.2)),
     }),
-    /** The sphere whose points the shader lights up, local coordinates. */
+    /** The sphere of points highlighted by the shader, local coordinates. */
     lit: () => viewer.uniforms.lit,
     /** Height of a capital letter at a place of a panel, seen from the head, degrees. */
     capital: (name: PanelName, u: number, v: number): number => {
@@ -76,7 +76,7 @@ export function installHeadsetHook(
       halted: peek(halted),
       pulse: viewer.uniforms.pulse,
     }),
-    /** The pointers: kind, side, buttons, and what it is for. */
+    /** The pointers: kind, side, buttons, and role. */
     pointers: () => {
       const { bodies, brush, other, palette } = headset.cockpit!.pointers;
       return bodies.map(({ pointer }) => ({
@@ -97,9 +97,9 @@ export function installHeadsetHook(
       const pointer = pointers.of(side);
       return pointer ? pointers.bodyOf(pointer).tips.shown : [];
     },
-    /** The others in the room: whose head, hands and brush one sees. */
+    /** Other people in the room with a visible head, hands and brush. */
     people: () => people.seen(),
-    /** Whether a panel is whole, and what is on it can be pressed. */
+    /** Whether a panel is unfolded, so that its buttons can be pressed. */
     open: (name: PanelName) => panel(name).open,
     /** Places on a panel that answer, 0..1. */
     areas: (name: PanelName) => panel(name).places(),

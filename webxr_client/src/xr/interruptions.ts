@@ -1,4 +1,4 @@
-/** Events from outside that interrupt what one does in the headset. */
+/** External events that interrupt work in the headset. */
 import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { follow, peek } from '../store/watch';
@@ -19,7 +19,7 @@ export function followInterruptions(
   const seen = (): void => {
     if (session.visibilityState === 'visible') return;
     covered();
-    // A recording that nobody sees does not play on.
+    // Playback stops while the recording is hidden.
     if (session.visibilityState === 'hidden' && peek(state.playing)) actions.togglePlay();
   };
   session.addEventListener('visibilitychange', seen);

@@ -4,7 +4,7 @@
 const RATES = [60, 72, 75, 80, 90, 120, 144] as const;
 /** Intervals that are looked at. */
 const SAMPLES = 60;
-/** No display is slower: rarer pictures are those that a busy page left out. */
+/** Minimum rate of displays: a lower rate means frames dropped by a busy page. */
 const SLOWEST = 55;
 /** Intervals up to this many times the shortest ones are of one refresh. */
 const ONE_REFRESH = 1.4;

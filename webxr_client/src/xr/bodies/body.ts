@@ -56,14 +56,14 @@ export class Body {
     if (pointer.hasFingertip) pointer.fingertip.applyMatrix4(rig);
   }
 
-  /** Write what its buttons do; what comes and goes with a press needs no words. */
+  /** Write the functions of its buttons; transient inputs have no hints. */
   explain(part: Part): void {
     if (!this.pointer.holds || this.explained === part) return;
     this.explained = part;
     this.tips.set(part);
   }
 
-  /** Let it meet the panels; a held one keeps it. `painter`: what it paints with. */
+  /** Point it at the panels; a held panel keeps it. `painter`: its brush, or null. */
   point(panels: readonly Panel[], painter: Painter | null): void {
     const { pointer } = this;
     const free = pointer.tracked && !painter?.painting;
@@ -80,7 +80,7 @@ export class Body {
     this.drawRay(poked ? null : nearest, painter);
   }
 
-  /** The panel that hangs from its ray; a fingertip cannot let go of what follows it. */
+  /** The panel carried by its ray; a fingertip cannot release a panel that follows it. */
   get carries(): Panel | null {
     return !this.poking && this.on?.carried === true ? this.on : null;
   }

@@ -20,7 +20,7 @@ export class Handover {
     if (!to || to === from) return wanted;
     const standsIn = from !== null && !from.leaving && !isOf(wished, from);
     const back = isOf(wished, to);
-    // A stand-in finishes what it paints, and may give the brush to another one of its side.
+    // A stand-in finishes its stroke, and may give the brush to another input of its side.
     if (standsIn ? !back || !pressed(from) : back || this.mayTake(to)) return wanted;
     this.heir = to;
     return back ? before : { brush: null, other: to, palette: to.holds ? to : null };

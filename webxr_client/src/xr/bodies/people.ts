@@ -96,7 +96,7 @@ function place(object: Object3D, pose: Pose | null): void {
   object.quaternion.set(pose[3], pose[4], pose[5], pose[6]);
 }
 
-/** Shows everybody in `state.people`, at the desk too. */
+/** Shows all people in `state.people`, also at the desk. */
 export class People {
   private readonly avatars = new Map<string, Avatar>();
   /** The same, for every picture. */
@@ -149,7 +149,7 @@ export class People {
   }
 }
 
-/** At the desk: see what somebody in a headset sees. */
+/** Metres from the desk's camera to its target in the view of a person in a headset. */
 const AHEAD = 1.5;
 
 /** Bring the desk's camera to the eyes of the person followed; the result stops it. */

@@ -235,7 +235,7 @@ describe('handedness', () => {
     worn.go();
     worn.go();
     expect([paints(worn), worn.said]).toEqual(['left', ['The left hand paints now']]);
-    // It finishes what it paints when the other one is back.
+    // It finishes its stroke when the other one is back.
     worn.select(left, true);
     worn.go();
     worn.change([right]);

@@ -1,4 +1,4 @@
-/** All that points: who comes and goes, what each does, what their rays are on. */
+/** All pointers: their arrival and departure, roles, and the targets of their rays. */
 import { peek } from '../../store/watch';
 import { Body } from './body';
 import { Handover, isOf } from './handover';
@@ -35,9 +35,9 @@ const NOBODY: Roles<Pointer> = { brush: null, other: null, palette: null };
 type Session = XRSession & { readonly trackedSources?: Iterable<XRInputSource> };
 
 export interface Changes {
-  /** Somebody else paints from now on, or nobody. */
+  /** The brush has changed to another pointer, or to none. */
   brushGone(): void;
-  /** Something to be told. */
+  /** Show a message. */
   say(text: string): void;
 }
 
@@ -179,7 +179,7 @@ export class Pointers {
     body.dispose();
   }
 
-  /** Ask anew who paints and who holds the palette. */
+  /** Assign the brush and the palette to the present pointers. */
   assign(): void {
     const before = this.roles;
     const pointers = this.bodies.map(({ pointer }) => pointer);
@@ -291,7 +291,7 @@ export class Pointers {
     }
   }
 
-  /** Drop what has gone, once the end of its press was seen. */
+  /** Remove departed pointers after the end of their press was handled. */
   private sweep(): void {
     for (let i = this.bodies.length - 1; i >= 0; i--) {
       const body = this.bodies[i]!;
@@ -316,8 +316,8 @@ export class Pointers {
   }
 
   /**
-   * Show what the buttons do, as far as it is not learnt; what points at a panel needs none, none
-   * stands in the picture while one paints, and none before a panel.
+   * Show hints for functions of buttons that are not learnt yet.  There are none for a pointer on a
+   * panel, during a stroke, and in front of a panel.
    */
   teach(seconds: Float64Array, painting: boolean, panels: readonly Panel[]): void {
     const { tips } = peek(xrSettings);
@@ -327,7 +327,7 @@ export class Pointers {
     }
   }
 
-  /** `far`: what also the hand that holds the palette can point at. */
+  /** `far`: panels that the hand with the palette can point at as well. */
   point(panels: readonly Panel[], far: readonly Panel[], painter: Painter): void {
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
@@ -382,7 +382,7 @@ function firstWords(session: Session, hands: boolean): string {
   return `${pinch},\nor press a system button of a controller`;
 }
 
-/** “right controller”; what has no side is called by its kind alone. */
+/** “right controller”; an input without a side has only the name of its kind. */
 function nameOf({ side }: Pointer, kind: string): string {
   return side === 'none' ? kind : `${side} ${kind}`;
 }

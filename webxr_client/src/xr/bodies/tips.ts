@@ -24,7 +24,7 @@ const SLACK = 0.02;
 const NEARER = 0.12;
 /** Metres outside the picture at which a hand has no words. */
 const ASTRAY = 0.25;
-/** Moves that bring words inside, each by a share of what they lack: moved words are turned as well. */
+/** Number of moves to bring words inside, and the share of the missing distance of each move. */
 const [PASSES, GAIN] = [6, 0.5];
 const CORNERS = 4;
 
@@ -58,7 +58,7 @@ export class Tips {
     private readonly spots: Spots,
   ) {}
 
-  /** Write anew what the hand's controls do. */
+  /** Rewrite the hints of the hand's controls. */
   set(part: Part): void {
     this.clear();
     const { hand, group } = this;
@@ -189,7 +189,7 @@ export class Tips {
     }
   }
 
-  /** Note what the words lack to be in both eyes' pictures; `mirror` −1: on the other side of the hand. */
+  /** Store the shift of the words into both eyes' pictures; `mirror` −1: on the hand's other side. */
   private measure({ inHead, sight }: Rig, mirror = 1): void {
     this.shift.fill(0);
     for (let k = 0; k < CORNERS; k++)
@@ -257,7 +257,7 @@ export class Tips {
   }
 }
 
-/** Widen the sides of what the eyes see by a place: tangents to the right, left, up and down. */
+/** Extend the sides of the view by a place: tangents to the right, left, up and down. */
 function widen(sides: Float64Array, { x, y, z }: Vector3): void {
   const away = Math.max(1e-3, -z);
   sides[0] = Math.max(sides[0]!, x / away);

@@ -1,6 +1,6 @@
 /**
- * Text in the room.  What one reads are words of small letters that begin with capitals: their height
- * is what is asked to be a degree at least, which makes the em (the figure that fonts go by) 1.4°.
+ * Text in the room.  The height of capital letters is at least a degree, so that an em, the unit of
+ * font sizes, is at least 1.4°.
  */
 
 /** Height of a capital letter in ems: Inter's own metrics, 1490 of 2048 units. */
@@ -11,7 +11,7 @@ export const LEAST_DEGREES = 1;
 export interface TextSize {
   /** Metres of the em. */
   readonly em: number;
-  /** The farthest that it is read from, metres; what follows the hands grows beyond. */
+  /** Maximum reading distance, metres; panels that follow the hands grow beyond it. */
   readonly away: number;
 }
 
@@ -33,6 +33,6 @@ export const SIZES = {
   tips: { em: 0.0122, away: 0.5 },
   /** Before the eyes. */
   message: { em: 0.025, away: 1.03 },
-  /** Over somebody else's head. */
+  /** Above another person's head. */
   name: { em: 0.05, away: 2 },
 } as const satisfies Record<string, TextSize>;

@@ -12,7 +12,7 @@ export const FONT = '"Inter Variable", system-ui, sans-serif';
 export const INK = {
   back: '#0c1014',
   on: '#1c416d',
-  /** Text on what is on. */
+  /** Text on a button that is on. */
   onText: '#bcd7ff',
   line: '#38424e',
   text: '#f2f5f9',
@@ -26,9 +26,8 @@ export const INK = {
 } as const;
 
 /**
- * A panel is dark glass: the room shines through its back and gives it its tone.  Opacities of the
- * back, of the white that lies on what is raised and on the rim, and of all of it where nearer points
- * hide it or while one paints.
+ * A panel is dark glass: the room shines through its back.  Opacities of the back, of the white on
+ * raised parts and on the rim, and of the whole panel behind nearer points or during a stroke.
  */
 export const GLASS = { back: 0.9, raised: 0.08, rim: 0.34, veil: 0.3 } as const;
 
@@ -45,9 +44,9 @@ function veiled(color: string, opacity: number): string {
 export const RAISED = veiled('#ffffff', GLASS.raised);
 const BACK = veiled(INK.back, GLASS.back);
 const RIM = veiled('#ffffff', GLASS.rim);
-/** Ems: radius of a panel's corners and of what lies on it, and the width of the rim. */
+/** Ems: radius of a panel's corners and of its parts, and the width of the rim. */
 const [CORNER, ROUND, EDGE] = [1, 0.5, 0.07];
-/** Opacity of the colour of what is not seen in the room. */
+/** Opacity of the colour of labels that are hidden in the room. */
 const FADED = 0.3;
 
 export interface Area {
@@ -67,7 +66,7 @@ export interface Area {
   readonly plain?: boolean;
 }
 
-/** The light on what the ray is on, and how much of it: text below it stays legible. */
+/** The light on the ray's target, and its opacity, with legible text below it. */
 export const LIGHT = { color: '#8bbcff', opacity: 0.14 } as const;
 
 export interface ButtonLook {

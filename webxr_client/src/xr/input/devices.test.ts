@@ -5,7 +5,7 @@ import { Pointer } from './pointer';
 import { Poses } from './poses';
 import { Rig } from '../moving/rig';
 
-/** Profiles as browsers list them: the controller's own, then what it falls back to. */
+/** Profiles in the order of browsers: the controller's own, then its fallbacks. */
 const CONTROLLERS: readonly (readonly [string, readonly string[], number, string])[] = [
   ['Quest 3', ['meta-quest-touch-plus', 'oculus-touch-v3', 'generic-trigger-squeeze-thumbstick'], 4, 'touch'], // prettier-ignore
   ['Index', ['valve-index', 'generic-trigger-squeeze-touchpad-thumbstick'], 4, 'index'],
@@ -19,7 +19,7 @@ const CONTROLLERS: readonly (readonly [string, readonly string[], number, string
   ['an unknown pad', ['acme'], 2, 'vive'],
 ];
 
-/** Of somebody who looks ahead. */
+/** Eyes of a person looking ahead. */
 const EYES = new Rig();
 
 const NAMES = ['trigger', 'squeeze', 'touchpad', 'stick', 'a', 'b'] as const;

@@ -1,7 +1,7 @@
 /**
- * Controllers as data: which button and axis is what, by WebXR input profile.  Positions are those
- * of the `xr-standard` mapping (WebXR Gamepads Module): trigger, squeeze, touchpad, thumbstick, and
- * then buttons of its own; axes of the touchpad, then of the thumbstick.
+ * Table of controllers: indices of buttons and axes by WebXR input profile.  Indices follow the
+ * `xr-standard` mapping (WebXR Gamepads Module): trigger, squeeze, touchpad, thumbstick, and further
+ * buttons; axes of the touchpad, then of the thumbstick.
  */
 
 export type PadKind = 'stick' | 'touchpad' | 'none';
@@ -131,7 +131,7 @@ export function chords({ squeeze, pad }: Device): boolean {
   return squeeze >= 0 && pad !== 'none';
 }
 
-/** Whether the profiles are those of a bare hand; the first known one decides. */
+/** Whether the profiles belong to a bare hand; the first known one decides. */
 export function isHandProfile(profiles: readonly string[]): boolean {
   return rowOf(profiles)?.id === 'hand';
 }
@@ -145,8 +145,8 @@ function rowOf(profiles: readonly string[]): Device | undefined {
 }
 
 /**
- * The row for an input source.  `profiles` begins with the most specific name; what no row has is
- * told apart by its number of axes.
+ * The row for an input source.  `profiles` starts with the most specific name; unknown profiles are
+ * distinguished by their number of axes.
  */
 export function deviceFor(profiles: readonly string[], axes: number, isHand: boolean): Device {
   const named = (id: string): Device => DEVICES.find((device) => device.id === id)!;

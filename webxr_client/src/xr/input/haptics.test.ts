@@ -89,7 +89,7 @@ describe('a pulse on the gamepads that browsers give', () => {
     }
     const hostile = Object.defineProperty({}, 'hapticActuators', { get: throws });
     expect(() => pulse(hostile, 1, 25)).not.toThrow();
-    // A rejection that nobody caught would fail this run.
+    // An unhandled rejection would fail this run.
     await new Promise((resolve) => setTimeout(resolve));
   });
 });

@@ -23,13 +23,13 @@ export const BUMP: Pulse = { strength: 1, milliseconds: 120 };
 export const PAINT_MS = 25;
 
 /**
- * Differences of the server's running counts, stroke by stroke.  What a stroke only touches, since
- * it has the label already, is not felt.
+ * Differences of the server's running counts, stroke by stroke.  Points that already have the label
+ * cause no pulse.
  */
 export class ChangeCounter {
   private readonly seen = new Map<string, number>();
 
-  /** Points that this answer says are changed and no earlier one said. */
+  /** Number of changed points in this answer beyond the earlier ones. */
   take(result: Pick<StrokeResult, 'id' | 'changed' | 'final'>): number {
     const before = this.seen.get(result.id) ?? 0;
     if (result.final) this.seen.delete(result.id);
@@ -84,8 +84,8 @@ export class Feelings {
 }
 
 /**
- * Pulses on what a controller has for them.  Quest Browser and Firefox have `hapticActuators`, whose
- * entries pulse; Chromium has `vibrationActuator`, which plays effects; some have neither.
+ * Pulses on a controller's actuators.  Quest Browser and Firefox have `hapticActuators` with a method
+ * to pulse; Chromium has `vibrationActuator`, which plays effects; some browsers have neither.
  */
 interface Actuator {
   readonly effects?: readonly string[];
@@ -101,7 +101,7 @@ interface Vibrating {
 /** The effect that every vibrating gamepad of the specification knows. */
 const RUMBLE = 'dual-rumble';
 
-/** Gamepads whose actuator refused last; it may be able to another time, as when the page is seen again. */
+/** Gamepads with a refused last pulse; later pulses may succeed, for example in a visible page. */
 const refusing = new WeakSet<object>();
 
 /** Let a gamepad pulse, strength 0..1; false where nothing can be felt, so far as is known. */

@@ -40,13 +40,13 @@ export interface Kind {
   readonly drawn: boolean;
   /** A pinch with the palm turned to the eyes is the system's. */
   readonly systemPinch: boolean;
-  /** It comes and goes by itself, which nobody must be told. */
+  /** It connects and disconnects by itself, without messages. */
   readonly fleeting: boolean;
   /** Places of its buttons and pads. */
   device(source: XRInputSource): Device;
   /** Depth of its press, 0..1; `selecting`: between `selectstart` and `selectend`. */
   press(gamepad: Gamepad | null, device: Device, selecting: boolean): number;
-  /** Make what one sees of it; null: nothing. */
+  /** Create its model; null: none. */
   model(source: XRInputSource, device: Device): Model | null;
 }
 

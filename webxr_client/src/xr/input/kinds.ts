@@ -88,7 +88,7 @@ const screen: Kind = {
   momentary: true,
 };
 
-/** A pinch that comes is meant, whatever else that hand is; a controller is more exact than a hand. */
+/** Kinds by priority: a new pinch is intended, and a controller is more precise than a hand. */
 export const KINDS: readonly Kind[] = [transient, controller, hand, gaze, screen];
 
 /** The kind of an input source, or undefined. */

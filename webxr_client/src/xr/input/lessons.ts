@@ -1,4 +1,4 @@
-/** Lessons: each button's action in words, where it is, and its uses, since what is learnt needs no words. */
+/** Lessons: text, position and number of uses of each button's action; learnt ones are hidden. */
 import { computed, signal } from '@preact/signals';
 import { doubtfulFrames } from '../../store/cells';
 import { canEdit, isStroke, state } from '../../store/state';

@@ -7,7 +7,7 @@ import { tint } from '../drawing/tint';
 
 const BODY = 0x2b3440;
 const LIGHT = 0x8b98a8;
-/** Hands and controllers are drawn behind the panels, which hide what is behind them. */
+/** Render order of hands and controllers: before the panels, which hide objects behind them. */
 export const ORDER = 110;
 
 /** Places of the controls of the drawn model. */
@@ -57,7 +57,7 @@ export function controllerModel(): Mesh {
   return mesh;
 }
 
-/** The pointing ray: a line from the hand to what it is on. */
+/** The pointing ray: a line from the hand to its target. */
 export class Ray {
   /** Metres that it reaches. */
   readonly length = new Float64Array(1);
@@ -82,7 +82,7 @@ export class Ray {
   }
 }
 
-/** Free what the GPU holds of a model. */
+/** Free the GPU memory of a model. */
 export function disposeModel(model: Object3D): void {
   model.removeFromParent();
   model.traverse((object) => {

@@ -75,7 +75,7 @@ export class Thumb {
     else if (this.latch === 'y') out.y = lean(-y);
   }
 
-  /** The source is out of sight: what it held is let go. */
+  /** Release all presses of a source that is out of sight. */
   rest(): void {
     this.latch = 'none';
   }

@@ -28,8 +28,8 @@ export function palmFacing(grip: Matrix4, side: Side | 'none', eyes: Vector3): n
 }
 
 /**
- * Whether a pinch that begins now is the system's: the palm is turned to the eyes, which look at it.
- * A hand beside the head, whose palm faces it as well, is not looked at and paints.
+ * Whether a pinch that starts now is the system's: the palm faces the eyes, and they look at it.
+ * A hand beside the head with its palm to the head is not looked at, and paints.
  */
 export function pinchesForSystem(grip: Matrix4, side: Side | 'none', eyes: Eyes): boolean {
   if (palmFacing(grip, side, eyes.headInRig) < FACING) return false;

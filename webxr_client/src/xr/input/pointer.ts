@@ -48,7 +48,7 @@ export class Pointer implements Present {
   /** It is pressed, armed or not. */
   pinching = false;
   private palmTurned = false;
-  /** It is pressed where the headset only guesses that it is; what points from the eyes never is. */
+  /** It is pressed at a position that the headset only estimates; false for rays from the eyes. */
   guessed = false;
   readonly pad = idlePad();
   readonly pressure = new Pressure();
@@ -81,7 +81,7 @@ export class Pointer implements Present {
     readonly source: XRInputSource,
     readonly kind: Kind,
     readonly rank: number,
-    /** It presses; what is only tracked does not. */
+    /** It can press; inputs that are only tracked cannot. */
     readonly primary: boolean,
     /** Its number among the poses. */
     readonly input: number,
@@ -206,7 +206,7 @@ export class Pointer implements Present {
     this.guessed = pressed && poses.guessed(this.input, frame, space);
   }
 
-  /** The touchpad beside a stick does what the stick does. */
+  /** The touchpad beside a stick has the stick's functions. */
   private readSecond(place: PadPlace, gamepad: Gamepad | null): void {
     const { pad, second } = this;
     readThumb(this.secondThumb, place, gamepad, second);
@@ -238,7 +238,7 @@ export class Pointer implements Present {
     if (device.secondary >= 0) chord.secondary = buttonValue(gamepad, device.secondary);
   }
 
-  /** Nothing is pressed on what is not there. */
+  /** Release all buttons of an absent source. */
   private rest(): void {
     const { edge, pad } = this;
     this.pinching = false;

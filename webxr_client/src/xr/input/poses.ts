@@ -117,7 +117,7 @@ export class Poses {
     for (let k = 0; k < 16; k++) {
       const value = values[16 * place + k]!;
       elements[k] = value;
-      // Only what is not a number is neither; asking `Number` would box each.
+      // Only NaN fails both comparisons; a call of `Number` would box each value.
       seen &&= value >= 0 || value < 0;
     }
     return seen;

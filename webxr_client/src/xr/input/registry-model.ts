@@ -81,7 +81,7 @@ function shaded(geometry: BufferGeometry): BufferGeometry {
   return geometry.deleteAttribute('normal').setAttribute('color', new Float32BufferAttribute(colors, 3));
 } // prettier-ignore
 
-/** Note the places of the controls: outer sides of what moves when they are pressed, by the registry's names. */
+/** Store the places of the controls: outer sides of their moving parts, by the registry's names. */
 function place(spots: Spots, scene: Group, device: Device, right: boolean): void {
   for (const [spot, name] of Object.entries(nodeNames(device, right)) as [Spot, string][]) {
     const find = (end: string): Object3D | undefined => scene.getObjectByName(`${name}_${end}`);

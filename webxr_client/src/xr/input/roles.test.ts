@@ -50,7 +50,7 @@ it.each<[what: string, there: string[], wished: Side, brush: string, other: stri
   const roles = rolesOf(all, wished);
   const names = [roles.brush, roles.other, roles.palette].map((one) => one?.name ?? '');
   expect(names).toEqual([brush, other, palette]);
-  // Asked twice, it answers the same, and nobody has two hands' roles.
+  // The result is deterministic, and no input has the roles of two hands.
   expect(rolesOf(all, wished)).toEqual(roles);
   if (roles.brush) expect([roles.other, roles.palette]).not.toContain(roles.brush);
 }); // prettier-ignore

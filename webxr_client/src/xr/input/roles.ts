@@ -1,4 +1,4 @@
-/** Roles of inputs, to paint or to hold the palette: by those present and the hand preferred. */
+/** Roles of inputs, to paint or to hold the palette, by present inputs and the preferred hand. */
 import type { Side } from '../../store/xr-settings';
 
 /** Properties by which input sources are told apart. */
@@ -10,7 +10,7 @@ export interface Present {
   readonly momentary: boolean;
   /** It stays between presses and is held somewhere: a palette can stand over it. */
   readonly holds: boolean;
-  /** It presses; what is only tracked (a controller that was laid aside) does not. */
+  /** It can press; an input that is only tracked (a controller laid aside) cannot. */
   readonly primary: boolean;
 }
 
@@ -24,9 +24,9 @@ export interface Roles<T extends Present> {
 }
 
 /**
- * The roles of those who are there, in the order in which they came.  Whoever is alone paints,
- * whatever side that is; only what comes and goes with a press must be of the wished side, or of
- * none, since a pinch of the other hand takes hold of the room.
+ * The roles of the present inputs, in their order of arrival.  A single input paints, on either
+ * side.  Transient inputs must be of the wished side, or of none, because a pinch of the other hand
+ * grabs the room.
  */
 export function rolesOf<T extends Present>(present: readonly T[], wished: Side): Roles<T> {
   const away = ({ side }: T): number => (side === wished ? 0 : side === 'none' ? 1 : 2);

@@ -71,7 +71,7 @@ describe('a push', () => {
     expect(active()).toBe(2);
     const begun = bench.sent.find(({ type }) => type === 'stroke_begin');
     expect(begun).toMatchObject({ brush: { label: 2 } });
-    // Nor does what is left of it choose an object's level.
+    // The rest of the gesture does not choose an object's level either.
     bench.go(60);
     bench.trigger(false);
     expect(bench.edits).toEqual(['stroke_begin']);

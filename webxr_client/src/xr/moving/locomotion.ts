@@ -97,7 +97,7 @@ export class Locomotion {
     for (const object of [this.ring, this.vignette]) free(object);
   }
 
-  /** Let the next press go where it points: for what has no stick. */
+  /** Make the next press a teleport to its target, for inputs without a stick. */
   ask(): void {
     this.asked = true;
     this.pressed = false;

@@ -29,7 +29,7 @@ export class Sight {
     return Math.atan(this.edges[DOWN]!);
   }
 
-  /** Add to `shift` what a place lacks to be in all pictures, to the right and up, where it lacks more. */
+  /** Increase `shift`, right and up, to the distance by which a place is outside the pictures. */
   lacks({ x, y, z }: Vector3, shift: Float64Array): void {
     const { edges } = this;
     const side = -z * MARGIN + EYE;

@@ -6,7 +6,7 @@ import { viewOf } from '../../view/framing';
 import type { Rig } from './rig';
 
 const SAMPLES = 3000;
-/** Half the width of the way ahead, and what stands on it: higher than a floor, lower than a lamp. */
+/** Half the width of the path ahead, and heights of obstacles on it: above a floor, below a lamp. */
 const ASIDE = 1.2;
 const [LOW, HIGH] = [0.3, 2];
 /** Stray points do not count. */
@@ -29,7 +29,7 @@ function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: 
 const ARM = 0.9;
 
 /**
- * Stand on the sensor's line of sight, within reach of what it saw; false without points.
+ * Stand on the sensor's line of sight, within reach of its points; false without points.
  * `shift`: source minus local.
  */
 export function standBefore(

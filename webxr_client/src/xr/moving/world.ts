@@ -67,7 +67,7 @@ export const MODEL = {
   /** From the eyes to a model's nearest side, and to its middle at least and at most. */
   nearest: 0.45,
   middle: [0.9, 1.6],
-  /** Its bottom's nearest side is so far below the eyes' height: what hangs lower hides none of it. */
+  /** Angle of its bottom's nearest side below the eyes: panels further down do not hide it. */
   below: Math.PI / 6,
 } as const;
 

@@ -1,4 +1,4 @@
-/** Preview of what the hand would take, asked of the server before the trigger is pressed. */
+/** Preview of the hand's selection, requested from the server before the trigger is pressed. */
 import type { PointerSample } from '../../store/types';
 import type { Engine } from '../../engine/engine';
 import { state } from '../../store/state';
@@ -17,7 +17,7 @@ export class Asking {
   private readonly unfollow: () => void;
 
   constructor(private readonly engine: Engine) {
-    // With these the engine ends what is shown, and a still hand must be asked for anew.
+    // A change of these ends the preview, so that a hand at rest must request a new one.
     const { tool, brush, activeLabel, palette, frame } = state;
     this.unfollow = watch([tool, brush, activeLabel, palette, frame], () => this.asked.fill(NaN));
   }

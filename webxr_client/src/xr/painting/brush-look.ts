@@ -117,7 +117,7 @@ export class BrushLook {
     else uniforms.lightNothing();
   }
 
-  /** Find what the hand's ray meets first. */
+  /** Return the first hit of the hand's ray. */
   hit(hand: Pointer, radius: number): Hit | null {
     const frame = this.engine.playback.frame;
     if (!frame) return null;
@@ -142,7 +142,7 @@ export class BrushLook {
   }
 }
 
-/** Whether a tool has a tip of its own, or lights what it is at. */
+/** Whether a tool has its own tip, or highlights its target. */
 function hasTip(tool: Tool): boolean {
   return tool === 'floor' || tool === 'boxes' || isStroke(tool);
 }

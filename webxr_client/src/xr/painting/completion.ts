@@ -14,7 +14,7 @@ const SEEN_MS = 300;
 
 export class Completion {
   private readonly path = new Path();
-  /** The stroke whose object is chosen while its trigger is held, or empty. */
+  /** The stroke with an object to choose while its trigger is held, or empty. */
   private stroke = '';
   /** Milliseconds for which an object has been shown, and the time of the last picture. */
   private readonly age = new Float64Array(1);
@@ -27,7 +27,7 @@ export class Completion {
     });
   }
 
-  /** A stroke begins: what was offered for the one before ends. */
+  /** Start a stroke, and end the suggestions for the previous one. */
   begin(): void {
     this.objects.end();
     this.path.clear();
@@ -64,7 +64,7 @@ export class Completion {
     else actions.stepObject(steps);
   }
 
-  /** The trigger was let go: take what it shows. `given`: not on purpose, take nothing. */
+  /** Accept the shown object on release of the trigger. `given`: unintended release, accept none. */
   release(given: boolean): void {
     this.stroke = '';
     if (given) this.objects.end();

@@ -2,7 +2,7 @@
 
 /** Seconds for which a ray rests on the handle, or the eyes on one that is held, until it unfolds. */
 const RESTS = 0.5;
-/** Seconds for which it stays once nothing points at it; longer for what only comes to press. */
+/** Seconds for which it stays without a pointer on it; longer for transient inputs. */
 const [STAYS, STAYS_FOR_PRESSES] = [3, 8];
 /** Seconds after unfolding in which nothing is pressed: the press was meant for the handle. */
 const YOUNG = 0.35;
@@ -11,7 +11,7 @@ const [RESTED, ALONE, SINCE, STAY] = [0, 1, 2, 3] as const;
 
 export class Fold {
   folded = true;
-  /** It was folded on purpose: what was on it must leave before it unfolds again. */
+  /** It was folded on purpose: pointers on it must leave before it unfolds again. */
   private refused = false;
   private readonly seconds = Float64Array.of(0, 0, 0, STAYS);
 

@@ -1,4 +1,4 @@
-/** The panel of the first minute: what to do next, how, and the controls that skip it. */
+/** The panel of the first minute: the next step, its instruction, and the controls to skip it. */
 import { change } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import { INK, type Ui } from '../drawing/ui';
@@ -15,7 +15,7 @@ export class GuidePanel extends Panel {
     super({ width: 0.5, height: 0.11, pixelsPerMetre: 2000, em: SIZES.question.em }, 98);
   }
 
-  /** The way to do a step changes with what is held; while a question is asked, nothing else is. */
+  /** The instruction depends on the held inputs; the panel is hidden during a question. */
   override update(now: number): void {
     this.mesh.visible = !asking.peek();
     const how = this.guide.how();

@@ -10,7 +10,7 @@ import { SIZES } from '../drawing/sizes';
 import { noticeText } from './notice-text';
 import { follow } from '../../store/watch';
 
-/** Metres ahead and below the eyes; what is farther from where it should be jumps there. */
+/** Metres ahead and below the eyes, and metres from this place beyond which it jumps there. */
 const AWAY = 1;
 const BELOW = 0.22;
 const FAR = 1.5;
@@ -45,7 +45,7 @@ export class Hud {
     };
   }
 
-  /** Say something for a while: nobody can dismiss it here. */
+  /** Show a message for a while, because it cannot be dismissed here. */
   say(text: string): void {
     this.own = text;
     const [first = ''] = text.split('\n');

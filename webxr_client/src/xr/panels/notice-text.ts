@@ -7,7 +7,7 @@ const LINE = 44;
 /** Lines of the reason and the remedy together. */
 const MOST_LINES = 5;
 
-/** Remedies for the titles of the server's refusals, whose details name the reason alone. */
+/** Remedies by title of the server's refusals, as their details only give the reason. */
 const REMEDIES: Readonly<Record<string, string>> = {
   Conflict: 'Check the labels here, then try again.',
   Forbidden: 'Ask a manager of the project for a role.',

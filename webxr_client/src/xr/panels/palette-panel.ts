@@ -137,7 +137,7 @@ export class PalettePanel extends Panel {
     this.glow.pulse(!this.folded && this.page === 'labels' ? strength : 0);
   }
 
-  /** The label that is painted and the shape that takes its points, else what this is. */
+  /** The active label with the shape of the brush; without a label, the panel's name. */
   protected override handleLook(): ButtonLook {
     const label = activeLabel.peek();
     const { icon } = roomWay();
@@ -210,7 +210,7 @@ export class PalettePanel extends Panel {
     this.touch();
   }
 
-  /** A light over each chip whose label is doubtful in this frame. */
+  /** Place a light over the chip of each uncertain label of this frame. */
   private placeGlow(): void {
     const { width, height, pixelsPerMetre } = this.size;
     const chips = unsure.peek().flatMap((label) => this.labels.chips.get(label) ?? []);
@@ -224,7 +224,7 @@ export class PalettePanel extends Panel {
     );
   }
 
-  /** Below every page: undo and redo, and what shows the timeline and hides the palette. */
+  /** Below every page: undo and redo, and buttons to show the timeline and hide the palette. */
   private drawHistory(ui: Ui, x: number, inner: number): void {
     const { em, height } = ui;
     const [undo, redo] = [state.undo.peek(), state.redo.peek()];

@@ -41,7 +41,7 @@ export abstract class Panel {
   private readonly at = new Float64Array(2);
   /** The same in metres to the right of the panel's middle and above it. */
   readonly heldAt = new Vector2();
-  /** Drawn over everything, but faintly: what is nearer hides the panel, and never all of it. */
+  /** Drawn faintly over the scene, so that a panel behind nearer points is still visible. */
   private readonly veil: Mesh<PlaneGeometry, MeshBasicMaterial>;
   readonly away = new Float64Array(1);
   private readonly fold = new Fold();
@@ -80,7 +80,7 @@ export abstract class Panel {
     this.mesh.add(this.light, this.veil);
   }
 
-  /** While one paints what lies behind a panel is seen through it. */
+  /** Make the panel translucent during a stroke. */
   fade(on: boolean): void {
     this.mesh.material.visible = !on;
   }
@@ -98,12 +98,12 @@ export abstract class Panel {
     return this.size.handle !== undefined && this.fold.folded;
   }
 
-  /** It is whole, and what is on it can be pressed. */
+  /** Whether it is unfolded, and its buttons can be pressed. */
   get open(): boolean {
     return !this.folded && !this.fold.young;
   }
 
-  /** Fold to the handle, or unfold; what was drawn answers no more. */
+  /** Fold to the handle, or unfold; drawn buttons are disabled. */
   setFolded(folded: boolean): void {
     if (folded === this.folded) return;
     this.fold.set(folded);
@@ -119,7 +119,7 @@ export abstract class Panel {
     if (this.size.handle && this.fold.update(...asked)) this.setFolded(!this.folded);
   }
 
-  /** The middle of what is seen of it, or a place −1..1 from there, in the headset's own space. */
+  /** The middle of its visible part, or a place −1..1 from there, in the headset's own space. */
   middle(out: Vector3, right = 0, up = 0): Vector3 {
     const { width, height, em, handle } = this.size;
     if (handle && this.folded) {
@@ -249,7 +249,7 @@ export abstract class Panel {
     this.light.visible = false;
   }
 
-  /** Light up what the ray is on, without drawing the panel anew. */
+  /** Highlight the ray's target without drawing the panel again. */
   private lighten(): void {
     const { light, size, ui } = this;
     const area = ui.areas[this.hover];

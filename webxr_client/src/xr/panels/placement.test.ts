@@ -11,7 +11,7 @@ const DEGREE = Math.PI / 180;
 /** Half the timeline, metres. */
 const [HALF_WIDTH, HALF_HEIGHT] = [0.53, 0.2525];
 
-/** Somebody whose eyes are there, in the headset's own space. */
+/** A rig with the eyes at a place, in the headset's own space. */
 function standing(eyes: Vector3): Rig {
   const rig = new Rig();
   const head = new Matrix4().setPosition(eyes);

@@ -10,7 +10,7 @@ const DEGREE = Math.PI / 180;
 
 /** Angles in radians, lengths in metres. */
 export const PLACEMENT = {
-  /** From the eyes to a panel's middle: what is farther grows.  A palette without a hand is before the others. */
+  /** Metres from the eyes to a panel's middle; farther panels grow.  A detached palette is nearer. */
   away: 0.85,
   nearer: 0.7,
   /** The lower edge of a panel that hangs, where its handle is, below the eyes' height … */
@@ -24,7 +24,7 @@ export const PLACEMENT = {
   farAside: 40 * DEGREE,
   /** To the left of straight ahead, where a palette without a hand hangs: its handle is beside the timeline's. */
   beside: 20.5 * DEGREE,
-  /** Height of a handle and the gap over it, and from a model to what hangs beside it. */
+  /** Height of a handle and the gap above it, and from a model to panels beside it. */
   handle: 4.5 * DEGREE,
   apart: 1 * DEGREE,
   /** The middle of an added panel below the eyes' height: above, so that the points stay in sight. */
@@ -134,7 +134,7 @@ export class Placement {
     faceEyes(panel, seenAt(headInRig, this.yaw, left, down, away, this.at), headInRig, facing);
   }
 
-  /** Let a panel whose bar is held hang from the ray, turned to the eyes. */
+  /** Move a panel held by its bar with the ray, facing the eyes. */
   carry(panel: Panel, by: { readonly origin: Vector3; readonly direction: Vector3 }): void {
     const { at, middle, rig } = this;
     const { headInRig } = rig;
@@ -143,7 +143,7 @@ export class Placement {
     rig.group.worldToLocal(at).sub(headInRig);
     at.clampLength(PLACEMENT.nearest, PLACEMENT.farthest).add(headInRig);
     middle.copy(at);
-    // Moved so that the ray has what it holds, its middle sees the eyes elsewhere: it is turned again.
+    // A move to keep the held point on the ray changes the direction to the eyes: a second pass.
     for (let pass = 0; pass < 2; pass++) {
       faceEyes(panel.mesh, middle, headInRig, FACING);
       this.held.set(panel.heldAt.x, panel.heldAt.y, 0).applyMatrix4(matrix);

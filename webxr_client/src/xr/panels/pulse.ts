@@ -1,4 +1,4 @@
-/** A gentle pulse of what a person should look at: its points, and its row of the palette. */
+/** A gentle pulse of labels to review: their points, and their rows of the palette. */
 import type { PointUniforms } from '../../cloud/picture/material';
 import { unsure } from '../../engine/review';
 import type { PalettePanel } from './palette-panel';

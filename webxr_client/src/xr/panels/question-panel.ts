@@ -1,4 +1,4 @@
-/** A run that stopped asks where one looks: accept what it found, or mend it, and go on. */
+/** Question of a stopped run, in view: accept its result, or correct it, and continue. */
 import { halted, stretch, unsure } from '../../engine/review';
 import { canReview, state, trackingJob } from '../../store/state';
 import { follow, watch } from '../../store/watch';
@@ -7,7 +7,7 @@ import { SIZES } from '../drawing/sizes';
 import { asking, drawDoubt, drawMended, Row } from './timeline-tracking';
 import type { Ui } from '../drawing/ui';
 
-/** Ems: the words, the answers, and what comes after them. */
+/** Ems: the text, the answers, and the button below them. */
 const [WORDS_AT, ANSWERS_AT, ONWARD_AT] = [0.2, 4, 6.6];
 /** Letters of a line of words. */
 const LETTERS = 32;

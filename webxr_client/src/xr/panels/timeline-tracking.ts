@@ -1,4 +1,4 @@
-/** The row below the timeline: carry labels on, watch the run, judge what it is unsure of. */
+/** The row below the timeline: track labels, watch the run, review uncertain results. */
 import { signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import { halted, namesOf, stretch, unsure } from '../../engine/review';
@@ -142,7 +142,7 @@ function drawOffers(row: Row, frames: number): void {
   offer(row, labels, frame);
 }
 
-/** Button of what would be tracked; pressed, the active label or all that are here. */
+/** Button to track the active label or all labels of the frame. */
 function offer(row: Row, labels: readonly number[], frame: number): void {
   if (labels.length === 0) {
     row.say('Paint, then track it', INK.quiet);

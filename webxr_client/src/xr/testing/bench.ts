@@ -21,7 +21,7 @@ import { Worn, type TestSource } from './sources';
 const PICTURE_MS = 20;
 /** Points of the levels of every object. */
 const LEVELS = [10, 40, 90];
-/** Whatever is drawn: it takes every call. */
+/** A stand-in for drawn objects that accepts all calls. */
 const DRAWN: unknown = new Proxy({}, { get: () => () => true });
 
 export class Bench {
@@ -74,7 +74,7 @@ export class Bench {
     this.go(2);
   }
 
-  /** Note every action; those of labels, objects and history do what the engine does. */
+  /** Record all actions; actions of labels, objects and history change the state as the engine does. */
   private bind(): () => void {
     const { objects, sent } = this;
     const travels = (type: 'undo' | 'redo') => () => sent.push({ type, id: '' });
@@ -127,7 +127,7 @@ export class Bench {
     this.objects.onCandidates({ type: 'candidates', id, frame: 0, first: 0, ready: true, candidates }); // prettier-ignore
   }
 
-  /** Press, or let go, whatever paints. */
+  /** Press or release the trigger of the brush. */
   trigger(down: boolean): void {
     const brush = this.worn.pointers.brush!;
     const source = brush.source as unknown as TestSource;

@@ -39,7 +39,7 @@ function rowOf(sources: TestSource[]): Record<Action, string> {
   return Object.fromEntries(ACTIONS.map((action) => [action, cell(action)])) as Record<Action, string>;
 } // prettier-ignore
 
-/** Actions that each device has its own way for: those of the documentation's table. */
+/** Actions with an own gesture on each device, as in the documentation's table. */
 const OWN = ACTIONS.filter((action) => action !== 'enter' && !PANELS.includes(action));
 
 /** A row for all devices that do the same. */

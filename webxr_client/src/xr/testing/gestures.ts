@@ -37,7 +37,7 @@ function onPad({ pad, axes, press }: PadPlace): Plain[] {
   }));
 }
 
-/** Gestures of a controller besides its trigger: the plain ones before those with the grip held. */
+/** Gestures of a controller besides its trigger: plain ones, then gestures with the grip held. */
 function plainGestures(device: Device, side: 0 | 1): Plain[] {
   const named = [
     [device.primary, device.primaryName[side]],

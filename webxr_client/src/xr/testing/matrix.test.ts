@@ -32,7 +32,7 @@ function promised(bench: Bench): Map<string, string> {
   return found;
 } // prettier-ignore
 
-/** The gesture in the words of a hint; a touchpad beside the stick does what the stick does. */
+/** The gesture in the words of a hint; a touchpad beside the stick has the stick's functions. */
 function keyOf({ name, other, hand }: Gesture): string {
   const control = hand.device.second ? name.replace('pad', 'stick') : name;
   return `${other ? 'other' : 'brush'} ${control}`.toLowerCase();

@@ -29,7 +29,7 @@ interface TestSpace {
   guessed: boolean;
 }
 
-/** A source whose poses and trigger a test sets. */
+/** A source with poses and a trigger set by a test. */
 export class TestSource {
   readonly targetRayMode: string;
   readonly handedness: XRHandedness;
@@ -97,7 +97,7 @@ class TestSession extends EventTarget {
   interactionMode = 'world-space';
 }
 
-/** The pointers of a session, and what happens to it. */
+/** The pointers of a session, and its events. */
 export class Worn {
   readonly session = new TestSession();
   readonly said: string[] = [];

@@ -1,4 +1,4 @@
-/** Page of the palette for boxes of objects: fitting, copying, and what a hand does to them. */
+/** Page of the palette for boxes of objects: fitting, copying, and editing by hand. */
 import {
   bringHere,
   copyToFrame,

@@ -1,4 +1,4 @@
-/** Setting the floor: what to do, how far one is, and the way back. */
+/** Setting the floor: instruction, progress, and the way back. */
 import { actions } from '../../../store/actions';
 import { floorPlaces } from '../../../engine/floor';
 import { INK, type Ui } from '../../drawing/ui';

@@ -1,4 +1,4 @@
-/** The palette's first page: a chip of colour for every label, and what is done to the active one. */
+/** The palette's first page: a colour chip of each label, and actions on the active one. */
 import { actions } from '../../../store/actions';
 import type { Label } from '../../../protocol/messages';
 import { unsure } from '../../../engine/review';

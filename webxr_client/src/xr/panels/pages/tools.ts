@@ -17,7 +17,7 @@ const TOOLS: readonly (readonly [Tool, IconName, string])[] = [
 
 /** Tiles beside one another; ems of a strip's name, of a tile's height, and below a strip. */
 const [COLUMNS, NAME, TILE, GAP] = [4, 1.4, 3, 0.3];
-/** Ems from the top to each strip's name, and to what belongs to the chosen shape. */
+/** Ems from the top to each strip's name, and to the controls of the chosen shape. */
 const SHAPES = NAME + TILE + GAP;
 const BRUSH = SHAPES + NAME + 2 * TILE + GAP;
 
@@ -52,7 +52,7 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
   });
 }
 
-/** The levels of an object, from part to group; or to take what a stroke lies on. */
+/** The levels of an object, from part to group; or the choice to take the object of a stroke. */
 function drawObject(ui: Ui, x: number, y: number, inner: number, completes: boolean): void {
   const { levels = 0, level = 0 } = state.object.peek() ?? {};
   ui.strip(x, y, inner, ui.em * 2.6, [
