@@ -120,7 +120,7 @@ export class Cockpit {
     return this.pointers.brush;
   }
 
-  /** Hang another panel beside those of the room; the result takes it away. */
+  /** Add a panel to the room; the result removes it. */
   hang(panel: Panel): () => void {
     this.rig.group.add(panel.mesh);
     const stops = [this.parts.add((now) => panel.update(now)), this.panels.add(panel)];

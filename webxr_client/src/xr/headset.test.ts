@@ -28,7 +28,7 @@ function browser(modes: readonly string[]) {
   return { xr, session, offer };
 }
 
-/** An engine whose renderer takes no session. */
+/** An engine with a renderer that refuses sessions. */
 function engine(): Engine {
   const refused = (): Promise<never> => Promise.reject(new Error('no layer for this display'));
   const nothing = (): void => undefined;

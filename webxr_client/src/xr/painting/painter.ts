@@ -1,4 +1,4 @@
-/** The hand that paints: its strokes, and what they feel like. */
+/** The hand that paints: its strokes and their haptics. */
 import type { PointerSample } from '../../store/types';
 import { Vector3, type Object3D } from 'three';
 import { actions } from '../../store/actions';
@@ -90,7 +90,7 @@ export class Painter {
     this.air.dispose();
   }
 
-  /** The server counted newly changed points: that is what the hand feels. */
+  /** Pulse by the number of newly changed points in the server's result. */
   private readonly felt = (result: StrokeResult): void => {
     if (!this.mine.has(result.id)) return;
     const strength = strengthOf(this.counter.take(result));
@@ -139,7 +139,7 @@ export class Painter {
     if (color !== null) this.air.line.paint(color);
   }
 
-  /** End what is painted where it may go on no more, and see whose press it is. */
+  /** End a stroke that cannot continue, and track whether the press may paint. */
   private checkPress(hand: Pointer, other: Pointer | null, blocked: boolean): void {
     if (this.moved()) this.interrupt(hand);
     if (hand.trigger === 0) this.free = true;
@@ -153,20 +153,20 @@ export class Painter {
     return hand.guessed || (box && other?.guessed === true);
   }
 
-  /** A guess paints nothing: what was painted before it stays, and the press must be let go. */
+  /** Refuse an estimated pose: the stroke ends, and the press is ignored until its release. */
   private refuse(hand: Pointer): void {
     this.interrupt(hand);
     hand.disarm();
     notify('info', 'Not painted: out of view of the headset', GUESSED);
   }
 
-  /** Nobody is there to paint. */
+  /** Hide the brush without a hand that paints. */
   private rest(): void {
     this.asking.leave();
     this.look.hide();
   }
 
-  /** Show what a press would take. */
+  /** Show a preview of the selection of a press. */
   private askAhead(there: boolean, way: Way, hand: Pointer, now: number): void {
     if (!there || !isStroke(peek(state.tool))) {
       this.asking.leave();
@@ -206,7 +206,7 @@ export class Painter {
     this.begunIn.shown = peek(state.shown).frame;
   }
 
-  /** Whether what is on screen, or may be painted, changed since the stroke began. */
+  /** Whether the shown frame, or the permission to paint, changed since the start of the stroke. */
   private moved(): boolean {
     const { asked, shown } = this.begunIn;
     if (!this.painting) return false;
@@ -214,7 +214,7 @@ export class Painter {
     return !there || !peek(canEdit);
   }
 
-  /** The stroke ends here, what was drawn in the air is void, and its press must be let go. */
+  /** End the stroke, discard air drawing, and ignore the press until its release. */
   interrupt(hand: Pointer | null): void {
     if (!this.painting) return;
     this.finish();
@@ -360,7 +360,7 @@ export class Painter {
     return !(x * x + y * y + z * z < step * step);
   }
 
-  /** Let go: send what is still to be sent. Without `eye` what was drawn in the air is dropped. */
+  /** Finish the stroke and send its remaining samples. Without `eye`, air drawing is discarded. */
   finish(eye: Vector3 | null = null): void {
     const { stroke } = this;
     stroke?.end();

@@ -27,7 +27,7 @@ const HELD = {
 export interface Holder {
   readonly side: Side | 'none';
   readonly tracked: boolean;
-  /** It pinches, for whatever it may be. */
+  /** It pinches, for any purpose. */
   readonly pinching: boolean;
   readonly grip: { readonly position: Vector3; readonly matrix: Matrix4 };
 }
@@ -60,7 +60,7 @@ export class RoomPanels {
   private readonly spot = new PaletteSpot();
   /** The palette hangs beside the timeline's handle: no hand holds it. */
   private hangs = false;
-  /** Heights of what hangs; nothing until it is hung anew. */
+  /** Heights of hanging panels; empty until they are placed again. */
   private readonly hung = new Map<Panel, Hung>();
   private readonly middle = new Vector3();
 
@@ -99,7 +99,7 @@ export class RoomPanels {
     };
   }
 
-  /** Hang what hangs before the person as they look now. */
+  /** Place the hanging panels in front of the person's current gaze. */
   settle(): void {
     this.placement.face();
     this.hung.clear();
@@ -136,7 +136,7 @@ export class RoomPanels {
     this.questionPlace.begin();
   }
 
-  /** Hang the palette, and fade what lies before the points while one paints. */
+  /** Place the palette, and fade panels in front of the points during a stroke. */
   update(holder: Holder | null, painting: boolean, seconds: Float64Array): void {
     const { palette, timeline, rig } = this;
     const there = holder?.tracked === true;
@@ -157,10 +157,10 @@ export class RoomPanels {
     this.questionPlace.update(this.question, performance.now());
   }
 
-  /** Fold and unfold; `by`: what points at a panel. */
+  /** Fold and unfold; `by`: the pointer on a panel. */
   fold(by: (panel: Panel) => Pointer | null, seconds: Float64Array): void {
     const { palette, timeline } = this;
-    // Eyes on a panel that hangs may as well be on what is behind it.
+    // Eyes on a hanging panel may look at the points behind it.
     const looked = !this.hangs && this.looked(palette, palette.folded ? CALLS : KEEPS);
     palette.updateFold(by(palette), looked, seconds);
     timeline.updateFold(by(timeline), false, seconds);
@@ -174,7 +174,7 @@ export class RoomPanels {
     return middle.dot(gaze) > cosine * middle.length();
   }
 
-  /** Let a panel follow what has its bar. */
+  /** Move a panel with the pointer that holds its bar. */
   carry(panel: Panel, by: Carrier): void {
     this.placement.carry(panel, by);
   }

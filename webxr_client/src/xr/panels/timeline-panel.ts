@@ -24,7 +24,7 @@ const READOUT_EMS = 14.6;
 const HANDLE = { at: 0.625, wide: 8.2 } as const;
 /** Ems from the handle's left end to the number of the frame on it. */
 const NUMBER_AT = 2.3;
-/** Between two drawings for what may show later; a picture of its own is a costly one. */
+/** Milliseconds between two drawings for deferred changes, as each drawing is costly. */
 const SOON_MS = 100;
 const LAZY_MS = 1000;
 
@@ -50,7 +50,7 @@ export class TimelinePanel extends Panel {
   /** Its beginning, metres, and that on the handle. */
   private readonly readoutAt: readonly [number, number];
   private readonly numberAt: readonly [number, number];
-  /** Something changed that may show a little later: what is loaded, how far a run is. */
+  /** Whether a deferred value changed: loaded frames, or the progress of a run. */
   private stale = false;
   private drawnAt = -Infinity;
 
@@ -120,7 +120,7 @@ export class TimelinePanel extends Panel {
   override update(now: number): void {
     const frame = state.frame.peek();
     const playing = state.playing.peek();
-    // The offers of the row below depend on the frame; while it plays nobody presses it.
+    // The offers of the row below depend on the frame; they are not updated during playback.
     if (!playing && frame !== this.offered) {
       this.offered = frame;
       this.touch();
@@ -161,7 +161,7 @@ export class TimelinePanel extends Panel {
     drawTracking(ui, info.frames, ui.height - (BAR_EMS + 3) * ui.em);
   }
 
-  /** Below everything: the bar to carry the panel by, what shows the palette, what hides this. */
+  /** Bottom row: the bar to carry the panel, and buttons to show the palette and hide this panel. */
   private drawBar(ui: Ui): void {
     const { em, width, height } = ui;
     const [y, h] = [height - (BAR_EMS + 0.2) * em, BAR_EMS * em];

@@ -18,7 +18,7 @@ const LEAST_DEGREES = 2.5;
 /** Words that were drawn since a test emptied this. */
 const written: string[] = [];
 
-/** A pen that draws nothing: what answers is laid out by text of so many pixels a letter. */
+/** A pen that draws nothing: buttons are laid out by text with a fixed width per letter. */
 function pen(): CanvasRenderingContext2D {
   const draws = (): unknown => undefined;
   const measures = (text: string): { width: number } => ({ width: 16 * text.length });
@@ -45,7 +45,7 @@ let timeline: TimelinePanel;
 let question: QuestionPanel;
 let now = 0;
 
-/** The smaller side of what answers on a panel as it is drawn now, metres, by name. */
+/** The smaller side of each button on a panel as drawn now, metres, by name. */
 function sides(panel: Panel): Map<string, number> {
   panel.touch();
   panel.update((now += 1000));
