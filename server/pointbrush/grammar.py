@@ -158,12 +158,20 @@ def _add_example(commands: Commands) -> None:
         help="train a new classifier on imported labels, too",
     )
     example.add_argument(
+        "--start-from",
+        default="",
+        metavar="SEQ,…",
+        help="labelled recordings that a new classifier starts from, separated by commas",
+    )
+    example.add_argument(
         "--apply",
         metavar="I:J",
         help="label unlabeled and predicted points of frames I to J - 1, or 'all'",
     )
     example.add_argument(
-        "--above", type=_share, default=0.0, help="minimum confidence of applied labels, 0 to 1"
+        "--above",
+        type=_share,
+        help="minimum confidence of applied labels, 0 to 1 (default: measured)",
     )
     example.add_argument("--save", type=Path, metavar="FILE", help="write the classifier to a file")
     example.add_argument("--load", type=Path, metavar="FILE", help="read a file that --save wrote")

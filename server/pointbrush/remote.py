@@ -119,8 +119,9 @@ def _taught(client: Client, given: argparse.Namespace) -> Classifier:
         return client.classifiers.teach(given.classifier, names)
     classes = None if given.classes is None else arguments.listed(given.classes)
     return client.classifiers.create(
-        given.name or given.sequence, names, classes, given.model, given.imported
-    )
+        given.name or given.sequence, names, classes, given.model, given.imported,
+        arguments.listed(given.start_from),
+    )  # fmt: skip
 
 
 def export(given: argparse.Namespace, settings: Settings) -> Answer:

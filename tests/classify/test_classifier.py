@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -36,10 +37,12 @@ def examples() -> Examples:
 
 
 FEW = ForestOptions(trees=12)
+ALIKE = np.eye(3, dtype=np.float32)[np.arange(COUNT) % 3]
+"""Chances of the cells of a frame: each class is a third of them."""
 TAUGHT = (
     Classifier("trees", ("a", "b", "c"), 0.5, ("here",), {("here", 0): examples()})
     .learnt(FEW)
-    .scored(FEW)
+    .scored(FEW, ALIKE)
 )
 
 
@@ -79,11 +82,51 @@ def test_classes_are_sampled_alike() -> None:
     assert len(balanced(classes, 5000)) == len(classes)
 
 
+def test_accuracy_is_of_places_that_did_not_teach() -> None:
+    some = examples()
+    mixed = RNG.permutation(some.classes)
+    guessed = replace(some, classes=np.repeat(mixed[::15], 15)[:COUNT])
+    found = replace(TAUGHT, examples={("here", 0): guessed}).learnt(FEW).scored(FEW, ALIKE / 2)
+    assert found.score is not None
+    assert found.score < 0.7  # each place is learnt by heart
+    assert all(each.accuracy is not None for each in TAUGHT.held_out)
+
+
+def test_a_class_in_few_places_is_not_measured() -> None:
+    some = examples()
+    twice = replace(some, place=np.where(some.classes == 2, some.place % 2, some.place + 2))
+    found = replace(TAUGHT, examples={("here", 0): twice}).scored(FEW, ALIKE).held_out
+    assert found[2].accuracy is None
+    assert found[2].places == 2
+    assert found[0].accuracy is not None
+
+
+def test_painted_places_outweigh_earlier_work() -> None:
+    wrong = examples()
+    wrong = replace(wrong, classes=((wrong.classes + 1) % 3).astype(np.uint8))
+    both = {("here", 0): examples(), ("there", 0): wrong}
+    only = replace(
+        TAUGHT, examples={("there", 0): wrong}, start_from=("there",), recordings=("here",)
+    )
+    some = examples()
+
+    def right(taught: Classifier) -> float:
+        learnt = taught.learnt(FEW)
+        assert learnt.trees is not None
+        best = probabilities(learnt.trees, some.features).argmax(axis=1)
+        return float((best == some.classes).mean())
+
+    assert right(only) < 0.1
+    assert right(replace(only, examples=both)) > 0.8
+    assert "there" not in replace(only, examples=both).taught_by
+
+
 def test_a_file_gives_the_classifier_back() -> None:
     again = from_file(to_file(TAUGHT))
     assert (again.name, again.classes, again.size, again.score) == (
         TAUGHT.name, TAUGHT.classes, TAUGHT.size, TAUGHT.score,
     )  # fmt: skip
+    assert (again.held_out, again.above) == (TAUGHT.held_out, TAUGHT.above)
     assert again.taught_by == {"here": COUNT}
     assert again.examples["here", 0].revision == 7
     assert again.trees is not None
@@ -114,6 +157,25 @@ def test_links_that_lead_nowhere_are_refused(name: str, value: np.generic) -> No
     out = io.BytesIO()
     np.savez(out, **arrays)
     with pytest.raises(BadInputError, match="classifier"):
+        from_file(out.getvalue())
+
+
+def test_a_stored_classifier_of_an_older_version_learns_again() -> None:
+    with np.load(io.BytesIO(to_file(TAUGHT))) as stored:
+        arrays = {key: stored[key].copy() for key in stored}
+    about = json.loads(arrays["about"].tobytes()) | {"version": 1, "features": ["others"]}
+    for key in ("held_out", "above", "start_from"):
+        del about[key]
+    arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
+    out = io.BytesIO()
+    np.savez(out, **arrays)
+    again = from_file(out.getvalue(), stored=True)
+    assert (again.name, again.classes, again.recordings) == (
+        TAUGHT.name, TAUGHT.classes, TAUGHT.recordings,
+    )  # fmt: skip
+    assert not again.ready
+    assert not again.examples
+    with pytest.raises(BadInputError, match="expected version 2, got 1"):
         from_file(out.getvalue())
 
 

@@ -89,7 +89,8 @@ def test_heights_over_the_ground_hold_on_slopes() -> None:
     made = described(floor)
     over = made.features[made.of_point, feature_names(OPTIONS).index("over opened 25")]
     assert np.median(over[shed]) == pytest.approx(1.5, abs=0.2)
-    assert np.quantile(over[~shed], 0.95) < 0.2
+    inside = floor[:, 0] < 15  # further up, the window reaches over the border
+    assert np.quantile(over[~shed & inside], 0.95) < 0.2
 
 
 def test_colour_and_returns_are_features_where_there_are_any() -> None:

@@ -36,6 +36,8 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     folder = settings.workspace / "sequences" / "hall"
     folder.parent.mkdir(parents=True)
     import_frames([scene(0), scene(1)], folder, sequence_id="hall", name="hall", fps=1.0)
+    yard = folder.with_name("yard")
+    import_frames([scene(2)], yard, sequence_id="yard", name="yard", fps=1.0)
     with serving(settings) as running:
         yield running
 
@@ -92,7 +94,7 @@ def test_none_of_the_classes_is_neither_asked_nor_predicted_again(
     assert found.kind.any()
     for other in hall.by_example.doubt(made.id, frame=1, most=5):
         assert np.linalg.norm(np.subtract(other.centre, place.centre)) > place.radius / 2
-    hall.by_example.apply(made.id, "1")
+    hall.by_example.apply(made.id, "1", 0.0)
     labels = hall.frames[1].annotation()
     assert labels.any()
     assert not labels[near].any()
@@ -148,9 +150,21 @@ def test_a_classifier_is_taken_elsewhere(client: Client, hall: Recording, tmp_pa
         client.classifiers.load(file)
 
 
+def test_a_classifier_starts_from_labels_of_other_recordings(client: Client) -> None:
+    yard = client["yard"]
+    assert yard.by_example.starts() == {"hall": ("floor", "wall")}
+    made = client.classifiers.create("yards", ["yard"], start_from=["hall"])
+    assert made.start_from == ("hall",)
+    assert made.taught_by == {"yard": 0}
+    assert made.held_out["wall"] == {"accuracy": None, "places": 0}
+    assert made.above == 0.5
+    found = yard.by_example.predict(made.id, 0)
+    assert ((found.kind == 2) == IS_WALL).mean() > 0.97
+
+
 def test_exports_leave_out_what_is_unsure(client: Client, hall: Recording, tmp_path: Path) -> None:
     made = client.classifiers.create("exported", ["hall"])
-    hall.by_example.apply(made.id, "1")
+    hall.by_example.apply(made.id, "1", 0.0)
     sure = hall.frames[1].annotation("confidence")
     hall.export("npz", tmp_path / "all.zip", "1")
     hall.export("npz", tmp_path / "some.zip", "1", above=0.9)

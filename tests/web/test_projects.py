@@ -139,6 +139,7 @@ def test_a_project_with_roles_is_not_there_for_others(
         lambda: guest.projects["night"],
         lambda: guest["day"].review.agreement("night"),
         lambda: guest.classifiers.create("of others", ["night"]),
+        lambda: guest.classifiers.create("of mine", ["day"], start_from=["night"]),
         lambda: guest.call("GET", "/sequences/night/frames/0/points"),
     ):
         with pytest.raises(NotFoundError):

@@ -78,7 +78,7 @@ def layer(workspace: Workspace, frame: int, name: str = "label") -> NDArray[np.g
 
 
 def apply(workspace: Workspace, **chosen: object) -> dict[str, object]:
-    job = workspace.classifiers.apply("room", author="me", **chosen)
+    job = workspace.classifiers.apply("room", author="me", **{"above": 0.0} | chosen)
     ended = workspace.runner.wait(job.id, 60)
     assert ended.state == "done", ended.error
     assert ended.result is not None
@@ -143,6 +143,9 @@ def test_unsure_points_are_left_out(workspace: Workspace) -> None:
     some = layer(workspace, 1) > 0
     assert 0 < some.mean() < 1
     assert layer(workspace, 1, "confidence")[some].min() >= 0.85 * 255
+    apply(workspace, classifier=made.id, frames="1", above=None)
+    assert made.above == 0.5  # too few places to measure
+    assert layer(workspace, 1, "confidence")[layer(workspace, 1) > 0].min() >= 0.5 * 255
     with pytest.raises(BadInputError, match="above"):
         workspace.classifiers.apply("room", author="me", classifier=made.id, above=2.0)
 

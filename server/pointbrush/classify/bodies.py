@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.classify.grid import neighbours, number_cubes
+from pointbrush.classify.grid import connected, neighbours, number_cubes
 from pointbrush.compiled import compiled
 
 Floats = NDArray[np.float64]
@@ -23,31 +23,9 @@ def describe_bodies(center: Floats, height: Floats, floor: float, size: float) -
     out = np.zeros((len(center), len(NAMES)))
     if len(above):
         cube, keys, slots = number_cubes(center[above], np.zeros(3), size)
-        body = _connected(neighbours(keys, slots))
+        body = connected(neighbours(keys, slots))
         out[above] = _numbers(center[above], height[above], body[cube], int(body.max()) + 1)
     return out
-
-
-@compiled
-def _connected(near: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Return the number of the connected part that each cube belongs to."""
-    part = np.full(len(near), -1, np.int64)
-    waiting = np.empty(len(near), np.int64)
-    count = 0
-    for first in range(len(near)):
-        if part[first] >= 0:
-            continue
-        part[first], waiting[0], open_ = count, first, 1
-        while open_:
-            open_ -= 1
-            at = waiting[open_]
-            for other in near[at]:
-                if other >= 0 and part[other] < 0:
-                    part[other] = count
-                    waiting[open_] = other
-                    open_ += 1
-        count += 1
-    return part
 
 
 @compiled

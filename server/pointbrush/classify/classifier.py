@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.classify.features import Described, ExampleFrame, feature_names
-from pointbrush.classify.forest import Trees, is_shallow, learn, probabilities
+from pointbrush.classify.forest import Trees, is_shallow, probabilities
 from pointbrush.classify.models import BUILT_IN, Model, chances_of
 from pointbrush.classify.options import (
     LARGEST,
@@ -30,7 +30,8 @@ from pointbrush.classify.options import (
     FeatureOptions,
     ForestOptions,
 )
-from pointbrush.classify.smoothing import Chances, smoothed, voted
+from pointbrush.classify.reliability import DEFAULT_ABOVE, HeldOut, Taught, reliability
+from pointbrush.classify.smoothing import Chances, decided, smoothed, voted
 from pointbrush.errors import BadInputError
 from pointbrush.npz import Arrays, checked, read_npz
 
@@ -38,8 +39,10 @@ Floats = NDArray[np.float64]
 
 VERSION = 2
 """Of the file, and of what the features mean."""
-HELD_OUT = 4
-"""One in so many places is held out to score."""
+OLDER = (1,)
+"""Versions of files with other features."""
+MOST_EARLIER = 6_000
+"""Examples of earlier work at most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,9 +83,10 @@ class Classifier:
     """Classes, what taught them, and the trees that know them.
 
     ``recordings`` teach it, ``examples`` are those by recording and frame; ``size`` of a cell,
-    metres, 0 before anything taught; ``score``: of examples that were held out, None where there
-    were too few.  ``model``: name of the one that answers in place of the trees, and ``state``,
-    what it learnt, None before.  ``imported``: imported labels teach beside painted ones.
+    metres, 0 before anything taught; ``score``, ``held_out``, ``above``: as of ``Reliability``.
+    ``start_from``: recordings of earlier work, whose labels it began with.  ``model``: name of
+    the one that answers in place of the trees, and ``state``, what it learnt, None before.
+    ``imported``: imported labels teach beside painted ones.
     ``ignored``: places that it neither labels nor asks about, the last answer last.
     """
 
@@ -97,6 +101,9 @@ class Classifier:
     state: bytes | None = None
     imported: bool = False
     ignored: tuple[Ignored, ...] = ()
+    start_from: tuple[str, ...] = ()
+    held_out: tuple[HeldOut, ...] = ()
+    above: float = DEFAULT_ABOVE
 
     @property
     def ready(self) -> bool:
@@ -108,7 +115,8 @@ class Classifier:
         """Recordings that taught it, and how many examples each gave."""
         found = dict.fromkeys(self.recordings, 0)
         for (recording, _), some in self.examples.items():
-            found[recording] = found.get(recording, 0) + len(some)
+            if not self._is_earlier(recording):
+                found[recording] = found.get(recording, 0) + len(some)
         return found
 
     @property
@@ -126,17 +134,27 @@ class Classifier:
         every = [some.spread for some in self.examples.values()]
         return np.mean(every, axis=0) if every else np.ones(width)
 
-    def taught(self, most: int) -> tuple[NDArray[np.float32], NDArray[np.int64], NDArray[np.int64]]:
-        """Return features, classes and places of at most ``most`` examples, classes alike."""
+    def taught(self, most: int) -> Taught:
+        """Return at most ``most`` examples, classes alike; fewer of them are of earlier work."""
         width = len(feature_names(FeatureOptions()))
         every = list(self.examples.values())
         if not every:
-            return np.zeros((0, width), np.float32), np.zeros(0, np.int64), np.zeros(0, np.int64)
+            none = np.zeros(0, np.int64)
+            return Taught(np.zeros((0, width), np.float32), none, none, none.astype(np.bool_))
         classes = np.concatenate([each.classes for each in every]).astype(np.int64)
-        features = np.concatenate([each.features for each in every])
         place = np.concatenate([each.place * len(every) + k for k, each in enumerate(every)])
-        kept = balanced(classes, most)
-        return features[kept], classes[kept], place[kept]
+        here = [not self._is_earlier(recording) for recording, _ in self.examples]
+        own = np.repeat(here, [len(each) for each in every])
+        mine, earlier = np.flatnonzero(own), np.flatnonzero(~own)
+        mine = mine[balanced(classes[mine], most)]
+        left = min(most - len(mine), MOST_EARLIER)
+        earlier = earlier[balanced(classes[earlier], left)] if left > 0 else earlier[:0]
+        kept = np.sort(np.concatenate([mine, earlier]))
+        features = np.concatenate([each.features for each in every])[kept]
+        return Taught(features, classes[kept], place[kept], own[kept])
+
+    def _is_earlier(self, recording: str) -> bool:
+        return recording in self.start_from and recording not in self.recordings
 
     def called(self, names: Sequence[str]) -> Classifier:
         """Return a copy with other names of the classes.
@@ -151,28 +169,31 @@ class Classifier:
             key: replace(some, classes=place[some.classes]) for key, some in self.examples.items()
         }
         merged = replace(self, classes=classes, examples=examples)
-        return replace(merged, trees=None, state=None, score=None)
+        return replace(merged, trees=None, state=None, score=None, held_out=())
 
     def learnt(self, options: ForestOptions, model: Model | None = None) -> Classifier:
         """Return the same with trees, or its ``model``'s state, that know all examples."""
         if model is not None and not model.learns:
             return replace(self, state=b"")
-        features, classes, _ = self.taught(options.most)
-        if not len(features):
-            return replace(self, trees=None, state=None, score=None)
+        taught = self.taught(options.most)
+        if not len(taught.classes):
+            return replace(self, trees=None, state=None, score=None, held_out=())
         if model is not None:
-            return replace(self, state=model.learn(features, classes, self.classes))
-        trees = learn(features, classes, len(self.classes), self.spread, options)
-        return replace(self, trees=trees)
+            state = model.learn(taught.features, taught.classes, self.classes)
+            return replace(self, state=state)
+        return replace(self, trees=taught.learnt(len(self.classes), self.spread, options))
 
-    def scored(self, options: ForestOptions) -> Classifier:
-        """Return the same with the score of examples that are held out; of its trees alone."""
+    def scored(self, options: ForestOptions, chance: Chances) -> Classifier:
+        """Return the same with the reliability of its trees in frames.
+
+        ``chance`` (N, K) of points of the frames that taught it.
+        """
         if self.model:
             return self
-        features, classes, place = self.taught(options.most)
-        count = len(self.classes)
-        score = _score(features, classes, place, count, self.spread, options)
-        return replace(self, score=score)
+        taught, count = self.taught(options.most), len(self.classes)
+        best, margin = decided(chance)
+        found = reliability(taught, count, self.spread, options, best, margin.astype(np.float64))
+        return replace(self, **found._asdict())
 
     def chances(
         self, place: Described, points: Callable[[], ExampleFrame], model: Model | None = None
@@ -206,26 +227,6 @@ def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
     return np.sort(np.concatenate(chosen))
 
 
-def _score(
-    features: NDArray[np.float32], classes: NDArray[np.int64], place: NDArray[np.int64], count: int,
-    spread: Floats, options: ForestOptions,
-) -> float | None:  # fmt: skip
-    """Share of held-out examples that are right, mean of the classes; None where there are few."""
-    if not len(features):
-        return None
-    order = np.unique(place, return_inverse=True)[1].ravel()
-    held = order % HELD_OUT == 0
-    known = np.intersect1d(classes[held], classes[~held])
-    held &= np.isin(classes, known)
-    if len(known) < min(2, count) or not held.any():
-        return None
-    fewer = replace(options, trees=max(1, options.trees // 3))
-    rest = order % HELD_OUT != 0
-    trees = learn(features[rest], classes[rest], count, spread, fewer)
-    right = probabilities(trees, features[held]).argmax(axis=1) == classes[held]
-    return float(np.mean([right[classes[held] == kind].mean() for kind in known]))
-
-
 # ── the file ─────────────────────────────────────────────────────────────────────────────────
 
 
@@ -238,6 +239,9 @@ def to_file(classifier: Classifier) -> bytes:
         "features": feature_names(FeatureOptions()),
         "size": classifier.size,
         "score": classifier.score,
+        "held_out": [astuple(each) for each in classifier.held_out],
+        "above": classifier.above,
+        "start_from": classifier.start_from,
         "model": classifier.model,
         "imported": classifier.imported,
         "recordings": classifier.recordings,
@@ -262,29 +266,35 @@ def to_file(classifier: Classifier) -> bytes:
     return out.getvalue()
 
 
-def from_file(data: bytes) -> Classifier:
-    """Return the classifier of a file.  Raises BadInputError for anything else."""
+def from_file(data: bytes, *, stored: bool = False) -> Classifier:
+    """Return the classifier of a file.  Raises BadInputError for anything else.
+
+    ``stored``: a file of this workspace.  One of an older version has other features: it is
+    returned without examples, so that it learns again from its recordings.
+    """
     try:
         arrays = read_npz(data, MOST_BYTES)
         about = json.loads(checked(arrays, "about", np.uint8, (None,)).tobytes())
-        return _checked(about, arrays)
+        return _checked(about, arrays, stored)
     except BadInputError as error:
         raise BadInputError(f"classifier: {error}") from None
     except (ValueError, LookupError, TypeError, RecursionError, OverflowError) as error:
         raise BadInputError(f"classifier: expected a file of one, got {error}"[:300]) from None
 
 
-def _checked(about: Any, arrays: Arrays) -> Classifier:
-    if about["version"] != VERSION:
+def _checked(about: Any, arrays: Arrays, stored: bool) -> Classifier:
+    if stored and about["version"] in OLDER:
+        nothing = {"examples": (), "score": None, "start_from": (), "held_out": ()}
+        about, arrays = about | nothing | {"above": DEFAULT_ABOVE}, {}
+    elif about["version"] != VERSION:
         raise BadInputError(f"expected version {VERSION}, got {about['version']}")
     names = feature_names(FeatureOptions())
-    if tuple(about["features"]) != names:
+    if arrays and tuple(about["features"]) != names:
         raise BadInputError("expected the features of this version, got others")
     classes = check_classes(about["classes"])
     size = float(about["size"])
     _require(size == 0 or SMALLEST_CELL <= size <= LARGEST_CELL, "a cell size in metres", size)
-    score = None if about["score"] is None else float(about["score"])
-    _require(score is None or 0 <= score <= 1, "a score from 0 to 1", score)
+    score = _share(about["score"], "score")
     recordings = tuple(check_name(each) for each in about["recordings"])
     examples = _examples(about["examples"], arrays, len(names), len(classes))
     trees = _trees(arrays, len(names), len(classes)) if "roots" in arrays else None
@@ -294,7 +304,20 @@ def _checked(about: Any, arrays: Arrays) -> Classifier:
     return Classifier(
         name, classes, size, recordings, examples, trees, score, model or BUILT_IN, state,
         bool(about.get("imported")), _ignored(about.get("ignored", ())),
+        tuple(check_name(each) for each in about["start_from"]),
+        _held_out(about["held_out"], len(classes)), _share(about["above"], "above") or 0.0,
     )  # fmt: skip
+
+
+def _share(value: Any, name: str) -> float | None:
+    share = None if value is None else float(value)
+    _require(share is None or 0 <= share <= 1, f"{name} from 0 to 1", share)
+    return share
+
+
+def _held_out(rows: Sequence[Any], kinds: int) -> tuple[HeldOut, ...]:
+    _require(len(rows) in (0, kinds), "held_out for each class", len(rows))
+    return tuple(HeldOut(_share(share, "held_out"), int(places)) for share, places in rows)
 
 
 def _ignored(rows: Sequence[Any]) -> tuple[Ignored, ...]:

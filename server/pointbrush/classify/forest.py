@@ -48,6 +48,7 @@ def learn(
     count: int,
     spread: Floats,
     options: ForestOptions,
+    share: Floats | None = None,
 ) -> Trees:
     """Learn ``count`` classes from examples (n, F) and their classes (n,).
 
@@ -57,19 +58,21 @@ def learn(
     """
     options.check()
     rng = np.random.default_rng(0)
+    weight = np.ones(len(classes)) if share is None else share
+    held = np.bincount(classes, weight, minlength=count)
+    weight = weight * (len(classes) / max((held > 0).sum(), 1) / held[classes])
     times = max(1, options.copies // max(len(classes), 1))
     features, classes = np.repeat(features, times, axis=0), np.repeat(classes, times)
     shaken = rng.standard_normal(features.shape, np.float32)
     shaken = features + shaken * (options.shake * spread).astype(np.float32)
     columns = np.ascontiguousarray(shaken.T)  # a column at a time is looked at
-    held = np.bincount(classes, minlength=count)
-    weight = len(classes) / (np.maximum(held, 1) * max((held > 0).sum(), 1))
+    weight = np.repeat(weight, times)
     seeds = rng.integers(1, 2**31, options.trees)
 
     def grown(seed: int) -> Grown:
         return _grow(
-            columns, classes, weight, seed, options.depth, options.fewest, options.tried,
-            options.smoothing,
+            columns, classes, weight, count, seed, options.depth, options.fewest,
+            options.tried, options.smoothing,
         )  # fmt: skip
 
     made = _threaded(grown, seeds.tolist())
@@ -126,11 +129,11 @@ def _random(state: NDArray[np.uint64]) -> float:
 
 @compiled
 def _grow(
-    columns: Features, classes: NDArray[np.int64], weight: Floats, seed: int, depth: int,
-    fewest: int, tried: int, smoothing: float,
+    columns: Features, classes: NDArray[np.int64], weight: Floats, kinds: int, seed: int,
+    depth: int, fewest: int, tried: int, smoothing: float,
 ) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:  # fmt: skip
     """Grow one tree; its links count from its own first node and leaf."""
-    count, kinds = columns.shape[1], len(weight)
+    count = columns.shape[1]
     state = np.array([seed], np.uint64)
     for _ in range(8):
         _random(state)
@@ -149,7 +152,7 @@ def _grow(
         node, first, stop, down = waiting[open_]
         totals[:] = 0.0
         for i in range(first, stop):
-            totals[classes[order[i]]] += weight[classes[order[i]]]
+            totals[classes[order[i]]] += weight[order[i]]
         best, cut = -1, np.float32(0.0)
         if down < depth and stop - first >= 2 * fewest and (totals > 0).sum() > 1:
             best, cut = _question(
@@ -206,7 +209,7 @@ def _question(
         held = 0
         for i in range(first, stop):
             if columns[f, order[i]] <= at:
-                parts[classes[order[i]]] += weight[classes[order[i]]]
+                parts[classes[order[i]]] += weight[order[i]]
                 held += 1
         if min(held, stop - first - held) < fewest:
             continue

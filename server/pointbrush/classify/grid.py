@@ -94,3 +94,25 @@ def neighbours(keys: Ints, slots: Ints) -> NDArray[np.int32]:
                     out[c, k] = find(slots, keys, keys[c] + step)
                     k += 1
     return out
+
+
+@compiled
+def connected(near: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Return the number of the connected part that each cube belongs to."""
+    part = np.full(len(near), -1, np.int64)
+    waiting = np.empty(len(near), np.int64)
+    count = 0
+    for first in range(len(near)):
+        if part[first] >= 0:
+            continue
+        part[first], waiting[0], open_ = count, first, 1
+        while open_:
+            open_ -= 1
+            at = waiting[open_]
+            for other in near[at]:
+                if other >= 0 and part[other] < 0:
+                    part[other] = count
+                    waiting[open_] = other
+                    open_ += 1
+        count += 1
+    return part

@@ -32,7 +32,8 @@ from pointbrush.client.values import Job, Vector, read
 class Classifier:
     """A classifier; ``taught_by``: number of examples by recording; ``examples``: by class.
 
-    ``score``: mean over the classes of the accuracy on held-out examples; ``cell``: metres.
+    ``score``: expected share of correct points; ``held_out``: ``accuracy`` and painted ``places``
+    by class; None if not measured.  ``above``: default limit of the confidence; ``cell``: metres.
     """
 
     id: str
@@ -44,6 +45,9 @@ class Classifier:
     cell: float
     model: str
     imported: bool
+    held_out: Mapping[str, Mapping[str, Any]]
+    above: float
+    start_from: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,15 +100,16 @@ class Classifiers(Part[L]):
     @steps
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
-        model: str = "", imported: bool = False,
+        model: str = "", imported: bool = False, start_from: Sequence[str] = (),
     ) -> Steps[Classifier]:  # fmt: skip
         """Add a classifier that is trained on the painted points of recordings; return it.
 
         ``classes`` None: all of the recordings' palettes.  ``model``: name of a plug-in or service
         of the server to use instead of the trees.  ``imported``: train on imported labels as well.
+        ``start_from``: labelled recordings; the more is painted here, the less they count.
         """
         body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
-        body |= {"model": model, "imported": imported}
+        body |= {"model": model, "imported": imported, "start_from": list(start_from)}
         if classes is not None:
             body["classes"] = list(classes)
         answer = yield from send(Request("POST", "/classifiers", {"json": body}))
@@ -168,6 +173,13 @@ class ByExample(Part[L]):
         return _prediction((yield from send(Request("POST", path, {"json": body}, again=True))))
 
     @steps
+    def starts(self) -> Steps[dict[str, tuple[str, ...]]]:
+        """Return the recordings that a classifier of this one can start from, with classes."""
+        path = f"/sequences/{self._sequence}/starts"
+        answer = yield from send(Request("GET", path, again=True))
+        return {entry["recording"]: tuple(entry["classes"]) for entry in answer.json()}
+
+    @steps
     def doubt(
         self,
         classifier: str,
@@ -207,7 +219,7 @@ class ByExample(Part[L]):
 
     @steps
     def start(
-        self, /, classifier: str, frames: str = "", above: float = 0.0, *,
+        self, /, classifier: str, frames: str = "", above: float | None = None, *,
         patience: float = PATIENCE,
     ) -> Steps[Job]:  # fmt: skip
         """Start an application and return its job; arguments as of ``apply``."""
@@ -215,20 +227,24 @@ class ByExample(Part[L]):
 
     @steps
     def apply(
-        self, /, classifier: str, frames: str = "", above: float = 0.0, *, progress: bool = False,
-        patience: float = PATIENCE,
+        self, /, classifier: str, frames: str = "", above: float | None = None, *,
+        progress: bool = False, patience: float = PATIENCE,
     ) -> Steps[dict[str, Any]]:  # fmt: skip
         """Label unlabeled and predicted points in frames ``I:J``, and wait; return the result.
 
-        The labels are one edit of provenance 4 (predicted).  ``above``: minimum confidence, 0 to 1.
+        The labels are one edit of provenance 4 (predicted).  ``above``: minimum confidence, 0 to 1;
+        by default as measured in held-out places.
         ``patience``: as of ``Recording.track``.
         """
         job = yield from self._start(classifier, frames, above, patience)
         return (yield from finished(job, progress=progress, patience=patience))
 
-    def _start(self, classifier: str, frames: str, above: float, patience: float) -> Steps[Job]:
+    def _start(
+        self, classifier: str, frames: str, above: float | None, patience: float
+    ) -> Steps[Job]:
         job = str(uuid.uuid4())
-        body = {"id": job, "classifier": classifier, "frames": frames, "above": above}
+        body: dict[str, Any] = {"id": job, "classifier": classifier, "frames": frames}
+        body |= {} if above is None else {"above": above}
         place = f"/sequences/{self._sequence}/predictions"
         return started(job, Request("POST", place, {"json": body}, patience=patience))
 

@@ -38,7 +38,8 @@ class ClassifierBody(Body):
     """A new classifier; ``classes`` null: all classes in the palettes of its recordings.
 
     ``model``: name of a plug-in or service of this server that replaces the trees.
-    ``imported``: the classifier also learns from imported labels.
+    ``imported``: the classifier also learns from imported labels.  ``start_from``: recordings with
+    painted or imported labels of the classes; the more is painted here, the less they count.
     """
 
     name: ClassName
@@ -46,6 +47,7 @@ class ClassifierBody(Body):
     classes: Annotated[list[ClassName], Field(min_length=1, max_length=MOST_CLASSES)] | None = None
     model: Annotated[str, Field(max_length=NAME_LENGTH)] = ""
     imported: bool = False
+    start_from: Recordings = Field(default_factory=list)
 
 
 class TeachBody(Body):
@@ -54,10 +56,18 @@ class TeachBody(Body):
     recordings: Recordings = Field(default_factory=list)
 
 
+class HeldOutOut(Out):
+    """Expected ``accuracy`` of a class, null before enough ``places`` of it are painted."""
+
+    accuracy: float | None
+    places: int
+
+
 class ClassifierOut(Out):
     """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
 
-    ``score``: mean share of correct held-out examples over the classes; ``cell``: metres.
+    ``score``: expected share of correct points in the recordings; ``held_out`` by class; both
+    null if not measured.  ``above``: default limit of the confidence; ``cell``: metres.
     """
 
     id: str
@@ -69,6 +79,16 @@ class ClassifierOut(Out):
     cell: float
     model: str
     imported: bool
+    held_out: dict[str, HeldOutOut]
+    above: float
+    start_from: list[str]
+
+
+class StartOut(Out):
+    """A recording whose labels a classifier can start from, and its ``classes``."""
+
+    recording: str
+    classes: list[str]
 
 
 class PredictionBody(Body):
@@ -100,7 +120,7 @@ class ApplyBody(Body, ApplyOptions):
 
     classifier: ClassifierId
     frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] = ""
-    above: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 0.0
+    above: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] | None = None
     id: Uuid | None = None
 
 
@@ -130,9 +150,9 @@ def create_classifier(
     body: ClassifierBody, workspace: Ws, who: Caller, gate: TheGate
 ) -> ClassifierOut:
     """Create a classifier that learns from the painted points of ``recordings``, now and later."""
-    gate.require_seen(who, *body.recordings)
+    gate.require_seen(who, *body.recordings, *body.start_from)
     made = workspace.classifiers.create(
-        body.name, body.recordings, body.classes, body.model, body.imported
+        body.name, body.recordings, body.classes, body.model, body.imported, body.start_from
     )
     return ClassifierOut.of(made)
 
@@ -248,6 +268,13 @@ def stored_bytes(found: Prediction) -> bytes:
     if found.numbers is not None:
         parts.append(found.numbers.astype("<u4").tobytes())
     return b"".join([*parts, found.kind.tobytes(), found.confidence.tobytes()])
+
+
+@router.get("/sequences/{seq}/starts", responses=responses(404))
+def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[StartOut]:
+    """List the recordings whose labels a classifier of this recording can start from."""
+    found = workspace.classifiers.starts(seq)
+    return [StartOut.of(each) for each in found if gate.may_see(who, each.recording)]
 
 
 @router.get("/sequences/{seq}/doubt", responses=responses(404))

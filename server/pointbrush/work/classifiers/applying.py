@@ -238,7 +238,8 @@ class _Pending:
         return added, self._writes(new)
 
     def _writes(self, ids: NDArray[np.uint16]) -> Iterator[tuple[int, Write]]:
-        least = self.request.options.above * SUREST
+        above = self.request.options.above
+        least = (self.model.above if above is None else above) * SUREST
         for each in self.found:
             label, sure = ids[each.kind.values()], each.confidence.values()
             kept = np.flatnonzero((label > 0) & (sure >= least))

@@ -31,7 +31,7 @@ class ClassifierFiles:
     def read(self, identifier: str) -> Classifier:
         """Return a classifier; raises NotFoundError, BadInputError for a damaged file."""
         try:
-            return from_file(self._path(identifier).read_bytes())
+            return from_file(self._path(identifier).read_bytes(), stored=True)
         except FileNotFoundError:
             raise unknown(identifier) from None
 

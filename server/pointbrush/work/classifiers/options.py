@@ -59,10 +59,12 @@ class ApplyOptions:
 
     classifier: str = choice("", "id of the classifier")
     frames: str = choice("", "frames I:J (default: all)")
-    above: float = choice(0.0, "minimum confidence of points to label, 0 to 1")
+    above: float | None = choice(
+        None, "minimum confidence of points to label, 0 to 1 (default: as measured)"
+    )
 
     def __post_init__(self) -> None:
-        if not 0 <= self.above <= 1:
+        if self.above is not None and not 0 <= self.above <= 1:
             raise BadInputError(f"above: expected a confidence from 0 to 1, got {self.above}")
 
     @classmethod

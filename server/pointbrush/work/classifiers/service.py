@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -23,6 +24,7 @@ from pointbrush.classify.doubt import doubts
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import BUILT_IN, Model, Models
 from pointbrush.classify.options import MOST_IGNORED
+from pointbrush.classify.reliability import HeldOut
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import LabelStore
@@ -39,6 +41,10 @@ from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.teaching import Teacher, cell_classes
 
 Numbers = NDArray[np.int64]
+SCORED_FRAMES = 3
+"""Frames in which the accuracy is expected, evenly chosen."""
+FEWEST_CLASSES = 2
+"""Classes of a recording from which others can start."""
 REACH = 0.35
 """Radius of the stroke that answers an uncertain piece, in edges of the piece."""
 
@@ -56,6 +62,17 @@ class About:
     cell: float
     model: str
     imported: bool
+    held_out: Mapping[str, HeldOut]
+    above: float
+    start_from: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A recording whose labels a classifier can begin with, and its ``classes``."""
+
+    recording: str
+    classes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,12 +158,13 @@ class Classifiers:
 
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
-        model: str = BUILT_IN, imported: bool = False,
+        model: str = BUILT_IN, imported: bool = False, start_from: Sequence[str] = (),
     ) -> About:  # fmt: skip
         """Create a classifier, trained on painted points of recordings.
 
         ``classes``: by default the model's, or all of the recordings' palettes; ``model``: name of
-        a model instead of trees; ``imported``: also train on imported labels.  Raises
+        a model instead of trees; ``imported``: also train on imported labels; ``start_from``:
+        recordings whose painted and imported labels count less, the more is painted here.  Raises
         BadInputError, NotFoundError (a recording), UnavailableError (the model).
         """
         self._require_writable()
@@ -155,13 +173,15 @@ class Classifiers:
         if classes is None and model:
             classes = self.models.make(model).classes or None
         if classes is None:
-            palettes = [self._store.palette(each) for each in map(self._checked, recordings)]
+            every = map(self._checked, [*recordings, *start_from])
+            palettes = [self._store.palette(each) for each in every]
             classes = list(dict.fromkeys(name for one in palettes for name in classes_of(one)))
         first = self._recording(recordings[0])
         size = self._frames.scale(first, 0) if model else 0.0  # 0: from painted points
         made = Classifier(
-            check_name(name), check_classes(list(classes)), size, model=model, imported=imported
-        )
+            check_name(name), check_classes(list(classes)), size, model=model, imported=imported,
+            start_from=tuple(map(self._checked, start_from)),
+        )  # fmt: skip
         with self._lock:
             identifier = self._files.free_id(name)
             self._write(identifier, made, self._store.class_names())
@@ -174,10 +194,42 @@ class Classifiers:
             self._checked(each)
         with self._guard(identifier):
             names, fresh = self._fresh(identifier, recordings)
-            taught = fresh.scored(self.options.forest)
+            taught = fresh.scored(self.options.forest, self._seen(fresh))
             self._known[identifier] = names, taught
             self._write(identifier, taught, names)
         return _about(identifier, taught)
+
+    def _seen(self, classifier: Classifier) -> Chances:
+        """Return the chances (N, K) of the points of some frames with training points."""
+        recordings = self._opened(classifier.recordings)
+        frames = [
+            (recordings[name], frame)
+            for name, frame in classifier.examples
+            if name in recordings and frame < len(recordings[name])
+            and recordings[name][frame].count <= self.options.whole_points
+        ]  # fmt: skip
+        found = [np.zeros((0, len(classifier.classes)), np.float32)]
+        for k in _spread(len(frames), SCORED_FRAMES):
+            recording, frame = frames[k]
+            place = self._frames.whole(recording, frame, classifier.size)
+            chance = self._chances(classifier, recording, frame, place, None)
+            found.append(chance[place.of_point])
+        return np.concatenate(found)
+
+    def starts(self, sequence: str) -> list[Start]:
+        """Return the recordings that a classifier of a recording can start from.
+
+        They have labels of two or more classes, of the recording's if it has any.
+        """
+        own = set(classes_of(self._store.palette(self._checked(sequence))))
+        found = []
+        for name in self._recordings():
+            classes = classes_of(self._store.palette(name))
+            shared = tuple(each for each in classes if not own or each in own)
+            able = name != sequence and len(shared) >= FEWEST_CLASSES
+            if able and self._teacher.labelled(self._recording(name), shared):
+                found.append(Start(name, shared))
+        return found
 
     def delete(self, identifier: str) -> None:
         """Delete a classifier; its predictions are kept.  Raises NotFoundError."""
@@ -396,6 +448,14 @@ class Classifiers:
     def _checked(self, sequence: str) -> str:
         return self._recording(sequence).manifest.id
 
+    def _opened(self, names: Sequence[str]) -> dict[str, Recording]:
+        """Open recordings; examples of deleted ones and of other workspaces are kept."""
+        found: dict[str, Recording] = {}
+        for name in names:
+            with suppress(NotFoundError):
+                found[name] = self._recording(name)
+        return found
+
     def _guard(self, identifier: str) -> threading.RLock:
         with self._lock:
             return self._locks.setdefault(identifier, threading.RLock())
@@ -422,13 +482,8 @@ class Classifiers:
         """Update a classifier and return it with the class names; requires its guard."""
         classes, known = self._read(identifier)
         names = tuple(dict.fromkeys([*known.taught_by, *also]))
-        recordings: dict[str, Recording] = {}
-        for name in names:
-            try:
-                recordings[name] = self._recording(name)
-            except NotFoundError:  # of another workspace, or deleted: its examples are kept
-                continue
-        fresh = self._teacher.fresh(known, recordings)
+        recordings, earlier = self._opened(names), self._opened(known.start_from)
+        fresh = self._teacher.fresh(known, recordings, earlier)
         if fresh.recordings != names:
             fresh = replace(fresh, recordings=names)
             self._known[identifier] = classes, fresh
@@ -443,8 +498,13 @@ def _about(identifier: str, classifier: Classifier) -> About:
     return About(
         identifier, classifier.name, classifier.classes, classifier.taught_by, counts,
         classifier.score, classifier.size, classifier.model,
-        classifier.imported,
+        classifier.imported, dict(zip(classifier.classes, _held_out(classifier), strict=True)),
+        classifier.above, classifier.start_from,
     )  # fmt: skip
+
+
+def _held_out(classifier: Classifier) -> tuple[HeldOut, ...]:
+    return classifier.held_out or (HeldOut(None, 0),) * len(classifier.classes)
 
 
 def _only(chances: Chances, wanted: NDArray[np.bool_]) -> Chances:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import Classifier, Examples, balanced
 from pointbrush.classify.features import Described
+from pointbrush.classify.grid import connected, neighbours, number_cubes
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import IMPORTED, PAINTED
 from pointbrush.sequences import Sequence as Recording
@@ -21,7 +22,11 @@ from pointbrush.work.classifiers.naming import numbers_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 
 PLACE = 8.0
-"""Edge of a cube of examples that are held out together, cells."""
+"""Edge of a cube, cells; examples in neighbouring cubes are one place, held out together."""
+LARGEST_PLACE = 48.0
+"""Extent of a place, cells; larger places are cut into cubes of this edge."""
+EARLIER_FRAMES = 4
+"""Frames of a recording that teach as earlier work, evenly spaced."""
 Key = tuple[str, int]
 Taken = tuple[NDArray[np.float32], NDArray[np.uint8], NDArray[np.int64], NDArray[np.float64]]
 """Features, classes from 0 and places of training cells, and the spread of the part's features."""
@@ -37,10 +42,14 @@ class Teacher:
         self._bring: dict[Key, tuple[int, bool]] = {}
         self._parts: Cache[Hashable, Taken] = Cache(options.memory_bytes // 4)
 
-    def fresh(self, classifier: Classifier, recordings: Mapping[str, Recording]) -> Classifier:
+    def fresh(
+        self, classifier: Classifier, recordings: Mapping[str, Recording],
+        earlier: Mapping[str, Recording],
+    ) -> Classifier:  # fmt: skip
         """Return a classifier with current examples, or ``classifier`` itself without changes.
 
         ``recordings``: its training recordings in this workspace; other examples are kept.
+        ``earlier``: recordings of earlier work, which are read once.
         """
         examples = {
             key: some
@@ -54,6 +63,12 @@ class Teacher:
                 examples[recording.manifest.id, frame] = self._examples(
                     replace(classifier, size=size), recording, frame
                 )
+        known = {recording for recording, _ in examples}
+        for name in earlier.keys() - known - recordings.keys():
+            for frame in self.labelled(earlier[name], classifier.classes):
+                size = size or self._frames.scale(earlier[name], frame)
+                begun = replace(classifier, size=size, imported=True)
+                examples[name, frame] = self._examples(begun, earlier[name], frame)
         if size == classifier.size and _same(examples, classifier.examples):
             return classifier
         return replace(classifier, size=size, examples=examples)
@@ -71,10 +86,12 @@ class Teacher:
             for frame, painted in by_hand.items()
             if painted or (classifier.imported and self._has_imported(sequence, frame))
         )
-        most = self._options.taught_frames
-        if len(found) <= most:
-            return found
-        return [found[k] for k in np.linspace(0, len(found) - 1, most).astype(int)]
+        return _evenly(found, self._options.taught_frames)
+
+    def labelled(self, recording: Recording, classes: Sequence[str]) -> list[int]:
+        """Return some frames with painted or imported labels of the classes."""
+        wanted = Classifier("", tuple(classes), imported=True)
+        return _evenly(self._painted(recording, wanted), EARLIER_FRAMES)
 
     def _has_imported(self, sequence: str, frame: int) -> bool:
         """Return whether a frame has imported labels; cached until the frame changes."""
@@ -105,8 +122,9 @@ class Teacher:
         found = self._frames.holding(recording, frame, classifier.size, painted)
         parts = [self._taken(part, kind) for part in islice(found, self._options.taught_places)]
         spread = np.mean([part[3] for part in parts], axis=0)
-        features, classes, cubes = (np.concatenate([p[k] for p in parts]) for k in range(3))
-        return Examples(features, classes, cubes, spread, recording.identity, changed)
+        features, classes = (np.concatenate([part[k] for part in parts]) for k in range(2))
+        places = np.concatenate([part[2] * len(parts) + k for k, part in enumerate(parts)])
+        return Examples(features, classes, places, spread, recording.identity, changed)
 
     def _taken(self, part: Part, kind: NDArray[np.uint8]) -> Taken:
         """Return the training cells of a part; cached until its labels change."""
@@ -118,6 +136,13 @@ class Teacher:
             kept = known
             self._parts.get(key, lambda: kept, sum(each.nbytes for each in known))
         return known
+
+
+def _evenly(frames: list[int], most: int) -> list[int]:
+    """Return at most ``most`` frames, evenly spaced."""
+    if len(frames) <= most:
+        return frames
+    return [frames[k] for k in np.linspace(0, len(frames) - 1, most).astype(int)]
 
 
 def _is_of(some: Examples, recording: Recording | None) -> bool:
@@ -133,10 +158,25 @@ def _taken(place: Described, kind: NDArray[np.uint8], most: int) -> Taken:
     of_cell = cell_classes(place, kind)
     cells = np.flatnonzero(of_cell)
     cells = cells[balanced(of_cell[cells].astype(np.int64), most)]
-    cube = np.floor(place.center[cells] / (PLACE * place.size)).astype(np.int64)
-    key = (cube[:, 0] * 73_856_093) ^ (cube[:, 1] * 19_349_663) ^ (cube[:, 2] * 83_492_791)
     spread = place.features.std(axis=0, dtype=np.float64)
-    return place.features[cells], of_cell[cells] - 1, key, spread
+    where = _places(place.center[cells].astype(np.float64), place.size)
+    return place.features[cells], of_cell[cells] - 1, where, spread
+
+
+def _places(center: NDArray[np.float64], size: float) -> NDArray[np.int64]:
+    """Return the place (n,) of each of the examples (n, 3): a group of strokes, or a part of it."""
+    if not len(center):
+        return np.zeros(0, np.int64)
+    center = center - center.min(axis=0)
+    cube, keys, slots = number_cubes(center, np.zeros(3), PLACE * size)
+    group = connected(neighbours(keys, slots))[cube]
+    low, high = (np.full((len(keys), 3), value) for value in (np.inf, -np.inf))
+    np.minimum.at(low, group, center)
+    np.maximum.at(high, group, center)
+    part = np.floor(center / (LARGEST_PLACE * size)).astype(np.int64)
+    part[((high - low)[group] <= LARGEST_PLACE * size).all(axis=1)] = 0
+    rows = np.column_stack([group, part])
+    return np.unique(rows, axis=0, return_inverse=True)[1].ravel().astype(np.int64)
 
 
 def cell_classes(place: Described, kind: NDArray[np.uint8]) -> NDArray[np.uint8]:
