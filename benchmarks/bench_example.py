@@ -1,12 +1,15 @@
 """Labels by example over REST: a simulated annotator, and the scores after so many strokes.
 
-python benchmarks/bench_example.py [--sets aerial street room] [--ways worst doubt random]
+python benchmarks/bench_example.py [--sets aerial street terrain room] [--split checking]
+
+Real recordings are those of ``example_sets``; ``room`` is generated.
 
 A stroke is a ball of fixed radius with the class of the point in its middle; it is made smaller
 where a tenth of what it takes is of other classes.  ``worst``: where most points are wrong;
 ``doubt``: where `GET …/doubt` leads; ``random``: at a random point.  ``there`` is the taught
-frame, ``later`` the drive's frame 9, ``elsewhere`` other tiles, drives and rooms.  ``picture``:
-from a stroke's call to the answer with every point's class.
+frame, ``later`` the drive's last frame, ``elsewhere`` other parts, drives, samples and rooms.
+``start``: classifiers start from the other recordings, which are labelled completely before.
+``picture``: from a stroke's call to the answer with every point's class.
 """
 
 from __future__ import annotations
@@ -16,38 +19,31 @@ import io
 import tempfile
 import time
 from collections import defaultdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import httpx
 import numpy as np
 from bench_effort import serving
+from example_sets import CHECKING, FEWEST, TUNING, Sets, real_sets
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pointbrush.classify.features import ExampleFrame, describe, scale_of
+from pointbrush.classify.features import ExampleFrame, describe
 from pointbrush.classify.forest import learn
 from pointbrush.classify.options import FeatureOptions, ForestOptions
-from pointbrush.samples.classes import (
-    Classified,
-    classified_drive,
-    classified_room,
-    classified_tile,
-    scores,
-)
+from pointbrush.samples.classes import Classified, classified_room, classified_tile
 from pointbrush.sequences import import_frames
 
-AT = (5, 10, 20, 40)
+AT = (10, 20, 40, 80)
 """Strokes after which the scores are taken."""
 SEEDS = (900, 901)
-TILES = (0, 1, 2, 3)
-RADIUS = {"aerial": 2.0, "street": 0.6, "room": 0.15}
-"""Metres of a stroke."""
+RADIUS = {"aerial": 8.0, "street": 0.6, "terrain": 4.0, "room": 0.15}
+"""Metres of a stroke; the aerial tiles have a point each 2 m."""
 PURE = 0.9
 TRIES = 3
 MOST = 20_000
-EIGEN, NEIGHBOURS = 11, 200
-"""Features of pgeof at a radius, and points of a ball that it looks at at most."""
 
 
 class Place(NamedTuple):
@@ -58,13 +54,21 @@ class Place(NamedTuple):
     made: Classified
 
 
-def recordings(kind: str) -> dict[str, list[Classified]]:
-    if kind == "aerial":
-        return {f"aerial-{seed}": [classified_tile(seed)] for seed in TILES}
+def recordings(kind: str, split: dict[str, tuple[str, ...]]) -> Sets:
+    """Return each recording's first and last frame."""
     if kind == "room":
         return {f"room-{seed}": [classified_room(seed)] for seed in SEEDS}
-    drives = {f"street-{seed}": list(classified_drive(seed, 10)) for seed in SEEDS}
-    return {name: [frames[0], frames[9]] for name, frames in drives.items()}
+    every = real_sets(kind, split[kind])
+    return {name: frames[:: max(len(frames) - 1, 1)] for name, frames in every.items()}
+
+
+def scores(truth: NDArray[np.integer], found: NDArray[np.integer], count: int) -> dict[str, float]:
+    """Return overall accuracy, and the mean IoU of classes with at least ``FEWEST`` points."""
+    table = np.bincount(truth.astype(np.int64) * (count + 1) + found, minlength=(count + 1) ** 2)
+    table = table.reshape(count + 1, count + 1)
+    hit, there = np.diag(table)[1:], table[1:].sum(axis=1)
+    iou = hit / np.maximum(there + table[1:, 1:].sum(axis=0) - hit, 1)
+    return {"OA": float(hit.sum() / there.sum()), "mIoU": float(iou[there >= FEWEST].mean())}
 
 
 def write(folder: Path, made: dict[str, list[Classified]], up: str) -> None:
@@ -86,7 +90,7 @@ class Annotator:
         self.tree, self.radius = cKDTree(self.xyz), RADIUS[kind]
         self.seconds: list[float] = []
 
-    def begin(self, name: str) -> None:
+    def begin(self, name: str, start_from: Sequence[str]) -> None:
         self.labels = [0]
         for kind in self.place.made.classes:
             where = f"/sequences/{self.place.recording}/labels"
@@ -96,6 +100,7 @@ class Annotator:
             "name": name,
             "recordings": [self.place.recording],
             "classes": list(self.place.made.classes),
+            "start_from": list(start_from),
         }
         made = self.api.post("/classifiers", json=body).raise_for_status().json()
         self.classifier = made["id"]
@@ -163,8 +168,9 @@ class Annotator:
         return reached
 
 
-def score(api: httpx.Client, kind: str, made: dict[str, list[Classified]], ways: list[str],
-          turns: int) -> None:  # fmt: skip
+def score(
+    api: httpx.Client, kind: str, made: Sets, ways: list[str], turns: int | None, start: bool
+) -> None:
     """Print a line for each way and number of strokes: mean and worst over what was taught."""
     names = list(made)
     table: dict[tuple[str, int, str], list[dict[str, float]]] = defaultdict(list)
@@ -174,10 +180,11 @@ def score(api: httpx.Client, kind: str, made: dict[str, list[Classified]], ways:
             others = [Place(name, k, each) for k, each in enumerate(made[name]) if k]
             others += [Place(other, 0, made[other][0]) for other in names if other != name]
             annotator = Annotator(api, kind, Place(name, 0, made[name][0]), others)
-            annotator.begin(f"{name} {way}")
+            if start:
+                for other in others:
+                    label_all(api, other)
+            annotator.begin(f"{name} {way}", [each for each in names if start and each != name])
             reached = annotator.run(way, turn)
-            if way == "worst":
-                peers(kind, annotator, others)
             for number, found in reached.items():
                 table[way, number, "there"].append(found[0])
                 for other, reached_there in zip(others, found[1:], strict=True):
@@ -232,64 +239,41 @@ def costs() -> None:
     start = time.process_time()
     peer.fit(rows, classes)
     print(f"the same by scikit-learn: {time.process_time() - start:.2f} s")
-    start = time.process_time()
-    if eigen_features(xyz) is None:
-        print("pgeof: not installed here (pip install pgeof)")
-    else:
-        spent = time.process_time() - start
-        print(f"eigen features by pgeof: {2e5 / len(xyz) * spent:.2f} s for 200,000")
 
 
-def eigen_features(xyz: NDArray[np.float64]) -> NDArray[np.float32] | None:
-    """Return pgeof's features (N, 11 a radius) at the radii of ours; None where it is missing."""
-    try:
-        import pgeof
-    except ImportError:
-        return None
-    places = np.ascontiguousarray(xyz, np.float32)
-    size = scale_of(xyz, FeatureOptions())
-    every = [pgeof.EFeatureID(k) for k in range(EIGEN)]
-    radii = [size * 2.0 ** (level + 1) for level in range(FeatureOptions().levels)]
-    found = [pgeof.compute_features_selected(places, radius, NEIGHBOURS, every) for radius in radii]
-    return np.nan_to_num(np.hstack(found))
-
-
-def peers(kind: str, annotator: Annotator, others: list[Place]) -> None:
-    """Print what pgeof's features and scikit-learn's extra trees make of the same strokes."""
-    from sklearn.ensemble import ExtraTreesClassifier
-
-    here = eigen_features(annotator.xyz)
-    if here is None:
-        return
-    rows = np.flatnonzero(annotator.taught & (annotator.truth > 0))
-    trees = ExtraTreesClassifier(100, class_weight="balanced", n_jobs=1, random_state=0)
-    trees.fit(here[rows], annotator.truth[rows])
-    count = len(annotator.place.made.classes)
-    for where, each in [("there", annotator.place), *(("elsewhere", other) for other in others)]:
-        features = here
-        if each is not annotator.place:
-            features = eigen_features(np.asarray(each.made.frame.xyz, np.float64))
-        reached = scores(each.made.truth, trees.predict(features), count)
-        told = "  ".join(f"{key} {value:.3f}" for key, value in reached.items())
-        print(
-            f"{kind:7} pgeof and scikit-learn, {len(rows):,} points  {where:10} {told}", flush=True
-        )
+def label_all(api: httpx.Client, place: Place) -> None:
+    """Give every point of a frame of another recording its class, as painted earlier."""
+    where = f"/sequences/{place.recording}"
+    palette = {each["name"]: each["id"] for each in api.get(f"{where}/labels").json()}
+    for name in place.made.classes:
+        if name not in palette:
+            made = api.post(f"{where}/labels", json={"name": name}).raise_for_status().json()
+            palette[name] = made["id"]
+    table = np.array([0, *(palette[name] for name in place.made.classes)], np.uint16)
+    label = table[place.made.truth]
+    for layer, values in (("label", label), ("provenance", (label > 0).astype(np.uint8))):
+        file = io.BytesIO()
+        np.save(file, values)
+        path = f"{where}/frames/{place.frame}/annotation"
+        api.put(path, params={"layer": layer}, content=file.getvalue()).raise_for_status()
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    kinds = ("aerial", "street", "room")
+    kinds = ("aerial", "street", "terrain", "room")
     parser.add_argument("--sets", nargs="*", default=list(kinds), choices=kinds)
     parser.add_argument("--ways", nargs="*", default=["worst", "doubt", "random"])
-    parser.add_argument("--turns", type=int, default=2, help="recordings that are taught in turn")
+    parser.add_argument("--turns", type=int, help="recordings that are taught in turn, all unless")
+    parser.add_argument("--split", choices=("tuning", "checking"), default="checking")
+    parser.add_argument("--start", action="store_true", help="start from the other recordings")
     given = parser.parse_args()
     costs()
     for kind in given.sets:
         with tempfile.TemporaryDirectory() as root:
-            made = recordings(kind)
-            write(Path(root), made, "z" if kind == "aerial" else "y")
+            made = recordings(kind, TUNING if given.split == "tuning" else CHECKING)
+            write(Path(root), made, "y" if kind == "room" else "z")
             with serving(Path(root) / "workspace") as api:
-                score(api, kind, made, given.ways, given.turns)
+                score(api, kind, made, given.ways, given.turns, given.start)
 
 
 if __name__ == "__main__":
