@@ -312,6 +312,10 @@ copy = client.classifiers.load("kinds.npz", name="from the other lab")
 predicted = client["room"].by_example.predict(kinds.id, frame=1)
 print((predicted.confidence < 64).mean(), "of the points are in doubt")
 
+# ByExample.starts
+earlier = client["room"].by_example.starts()
+print(len(earlier), "labelled recordings to start from")
+
 # ByExample.doubt
 for place in client["room"].by_example.doubt(kinds.id, frame=0, most=3):
     print(place.centre, place.classes)

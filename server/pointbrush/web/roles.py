@@ -109,6 +109,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/classifiers/{id}/teach"): "annotator",
     ("POST", "/sequences/{seq}/frames/{i}/prediction"): "annotator",
     ("GET", "/sequences/{seq}/doubt"): "annotator",
+    ("GET", "/sequences/{seq}/starts"): "annotator",
     ("POST", "/sequences/{seq}/doubt/answers"): "annotator",
     ("DELETE", "/sequences/{seq}/doubt/answers"): "annotator",
     ("POST", "/sequences/{seq}/predictions"): "annotator",
