@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from pointbrush.client import AsyncClient, Client, Recording
+from pointbrush.client import AsyncClient, Client, Place, Recording
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
@@ -80,33 +81,60 @@ def test_a_classifier_predicts_and_labels(client: Client, hall: Recording) -> No
     assert not hall.frames[1].annotation().any()
 
 
+def numbers(place: Place) -> NDArray[np.int64]:
+    return np.concatenate([np.arange(first, first + length) for first, length in place.runs])
+
+
 def test_none_of_the_classes_is_neither_asked_nor_predicted_again(
     client: Client, hall: Recording
 ) -> None:
     made = client.classifiers.create("nones", ["hall"])
-    xyz = hall.frames[1].points()["xyz"]
     place = hall.by_example.doubt(made.id, frame=1, most=1)[0]
-    near = np.linalg.norm(xyz - place.centre, axis=1) < place.radius / 2
-    assert hall.by_example.predict(made.id, 1).kind[near].all()
+    piece = numbers(place)
+    assert len(piece) == place.points
+    assert hall.by_example.predict(made.id, 1).kind[piece].all()
     hall.by_example.ignore(made.id, place)
     found = hall.by_example.predict(made.id, 1)
-    assert not found.kind[near].any()
+    assert not found.kind[piece].any()
     assert found.kind.any()
     for other in hall.by_example.doubt(made.id, frame=1, most=5):
-        assert np.linalg.norm(np.subtract(other.centre, place.centre)) > place.radius / 2
+        assert not np.isin(numbers(other), piece).any()
     hall.by_example.apply(made.id, "1", 0.0)
     labels = hall.frames[1].annotation()
     assert labels.any()
-    assert not labels[near].any()
+    assert not labels[piece].any()
     hall.undo()
     saved = client.call("GET", f"/classifiers/{made.id}/file").content
     with np.load(io.BytesIO(saved)) as arrays:
         about = json.loads(arrays["about"].tobytes())
     assert about["ignored"] == []  # a file for other workspaces has no places
     hall.by_example.take_back(made.id)
-    assert hall.by_example.predict(made.id, 1).kind[near].all()
+    assert hall.by_example.predict(made.id, 1).kind[piece].all()
     with pytest.raises(NotFoundError):
         hall.by_example.take_back(made.id)
+    client.classifiers.delete(made.id)
+
+
+def test_an_answer_paints_the_piece_and_no_other_point(client: Client, hall: Recording) -> None:
+    made = client.classifiers.create("answers", ["hall"])
+    place = hall.by_example.doubt(made.id, frame=1, most=1)[0]
+    assert hall.by_example.answer(made.id, place, label=2) == place.points
+    labels = hall.frames[1].annotation()
+    assert np.array_equal(np.flatnonzero(labels), numbers(place))
+    for other in hall.by_example.doubt(made.id, frame=1, most=5):
+        assert not np.isin(numbers(other), numbers(place)).any()
+    hall.undo()
+    assert not hall.frames[1].annotation().any()
+    client.classifiers.delete(made.id)
+
+
+def test_a_skipped_place_is_predicted_but_not_asked_again(client: Client, hall: Recording) -> None:
+    made = client.classifiers.create("skips", ["hall"])
+    place = hall.by_example.doubt(made.id, frame=1, most=1)[0]
+    hall.by_example.ignore(made.id, place, skip=True)
+    assert hall.by_example.predict(made.id, 1).kind[numbers(place)].all()
+    for other in hall.by_example.doubt(made.id, frame=1, most=5):
+        assert not np.isin(numbers(other), numbers(place)).any()
     client.classifiers.delete(made.id)
 
 

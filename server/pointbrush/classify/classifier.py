@@ -67,15 +67,18 @@ class Examples:
 
 @dataclass(frozen=True, slots=True)
 class Ignored:
-    """A ball of points that are of no class: ``centre`` in local coordinates, metres.
+    """Points that are of no class, or that were ``skipped``: these are predicted, but not asked.
 
-    ``identity``: of the import that the frame is of.
+    ``runs`` of their stored numbers, first and length; without runs, the ball round ``centre``,
+    local metres.  ``identity``: of the import that the frame is of.
     """
 
     identity: str
     frame: int
     centre: tuple[float, float, float]
     radius: float
+    runs: tuple[tuple[int, int], ...] = ()
+    skipped: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -323,10 +326,16 @@ def _held_out(rows: Sequence[Any], kinds: int) -> tuple[HeldOut, ...]:
 def _ignored(rows: Sequence[Any]) -> tuple[Ignored, ...]:
     _require(len(rows) <= MOST_IGNORED, f"at most {MOST_IGNORED} ignored places", len(rows))
     found = []
-    for identity, frame, (x, y, z), radius in rows:
+    for identity, frame, (x, y, z), radius, *more in rows:
         sizes = [float(each) for each in (x, y, z, radius)]
         _require(bool(np.abs(sizes).max() < LARGEST), "ignored places in metres", sizes)
-        found.append(Ignored(str(identity), int(frame), (sizes[0], sizes[1], sizes[2]), sizes[3]))
+        runs, skipped = more or ((), False)
+        found.append(
+            Ignored(
+                str(identity), int(frame), (sizes[0], sizes[1], sizes[2]), sizes[3],
+                tuple((int(start), int(length)) for start, length in runs), bool(skipped),
+            )
+        )  # fmt: skip
     return tuple(found)
 
 

@@ -83,14 +83,20 @@ class ForestOptions:
 
 @dataclass(frozen=True, slots=True)
 class DoubtOptions:
-    """Pieces that are offered to be answered; all above 0."""
+    """Places that are offered to be answered; all above 0."""
 
+    compared: int = 1500
+    """Cells of a frame that stand for all that are open."""
+    considered: int = 128
+    """Of these, cells that may be asked about."""
+    rarity: float = 0.4
+    """Power of one over a class's share by which its doubts count."""
     edge: float = 16.0
-    """Edge of a piece, cells."""
-    fewest: int = 4
-    """Cells of a piece at least."""
-    considered: int = 64
-    """Pieces with the most doubt, of which those unlike what was taught come first."""
+    """Edge, cells, of a cube in which the doubts of a class count as one."""
+    reach: float = 24.0
+    """Cells from the middle of a piece to its border at most."""
+    scaled: float = 0.14
+    """Metres that a cell counts as where the object tool parts scans of many views."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""

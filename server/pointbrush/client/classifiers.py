@@ -70,7 +70,8 @@ class Prediction:
 class Place:
     """A doubtful place: ``centre`` on a surface and ``radius`` of a stroke on it, source metres.
 
-    ``points``: number in the piece; ``classes``: its two most likely classes, the likelier first.
+    ``points``: number in the piece; ``runs`` of them in source order, first number and length;
+    ``classes``: its two most likely classes, the likelier first.
     """
 
     sequence: str
@@ -78,6 +79,7 @@ class Place:
     centre: Vector
     radius: float
     points: int
+    runs: tuple[tuple[int, int], ...]
     classes: tuple[str, str]
     doubt: float
 
@@ -204,12 +206,26 @@ class ByExample(Part[L]):
         return [read(Place, entry) for entry in answer.json()]
 
     @steps
-    def ignore(self, classifier: str, place: Place) -> Steps[None]:
-        """Answer a doubt with none of the classes: it is not asked or predicted again."""
+    def answer(self, classifier: str, place: Place, label: int) -> Steps[int]:
+        """Answer a doubt with a label: paint its points; return how many have changed."""
+        answer = yield from self._answer(classifier, place, label=label)
+        return int(answer.json()["changed"])
+
+    @steps
+    def ignore(self, classifier: str, place: Place, *, skip: bool = False) -> Steps[None]:
+        """Answer a doubt with none of the classes: it is not asked or predicted again.
+
+        ``skip``: it is predicted, but not asked again.
+        """
+        yield from self._answer(classifier, place, skip=skip)
+
+    def _answer(
+        self, classifier: str, place: Place, *, label: int | None = None, skip: bool = False
+    ) -> Steps[httpx.Response]:
         about = {"frame": place.frame, "centre": list(place.centre), "radius": place.radius}
-        body = {"classifier": classifier, "place": about, "class": None}
+        body = {"classifier": classifier, "place": about, "class": label, "skip": skip}
         path = f"/sequences/{self._sequence}/doubt/answers"
-        yield from send(Request("POST", path, {"json": body}))
+        return (yield from send(Request("POST", path, {"json": body})))
 
     @steps
     def take_back(self, classifier: str) -> Steps[None]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -12,16 +13,17 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import Field, FiniteFloat
 
 from pointbrush.classify.options import LARGEST_CELL, MOST_BYTES, MOST_CLASSES, NAME_LENGTH
+from pointbrush.ranges import ranges, runs_of
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body, Out, PaintId
+from pointbrush.web.schemas import Body, EditOut, Out, PaintId
 from pointbrush.web.schemas_work import JobOut
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
-    from pointbrush.work.classifiers.service import Prediction
+    from pointbrush.work.classifiers.service import Place, Prediction
 
 router = resource("classifiers")
 BINARY = {"schema": {"type": "string", "format": "binary"}}
@@ -108,11 +110,12 @@ class DoubtPlace(Body):
 
 
 class AnswerBody(Body):
-    """An answer to a doubt; ``class`` null: none of the classes."""
+    """An answer to a doubt: ``class``, a label to paint; null: none of the classes, or ``skip``."""
 
     classifier: ClassifierId
     place: DoubtPlace
-    class_: Annotated[None, Field(alias="class")] = None
+    class_: Annotated[PaintId | None, Field(alias="class")] = None
+    skip: bool = False
 
 
 class ApplyBody(Body, ApplyOptions):
@@ -127,7 +130,8 @@ class ApplyBody(Body, ApplyOptions):
 class PlaceOut(Out):
     """A doubtful place: ``centre`` on a surface, source metres; ``radius`` of a stroke there.
 
-    ``points`` of the piece; its two most likely ``classes``, the likelier first.
+    ``points`` of the piece, and ``runs`` of them, first number and length; its two most likely
+    ``classes``, the likelier first.
     """
 
     sequence: str
@@ -135,6 +139,7 @@ class PlaceOut(Out):
     centre: tuple[float, float, float]
     radius: float
     points: int
+    runs: list[tuple[int, int]]
     classes: tuple[str, str]
     doubt: float
 
@@ -261,6 +266,11 @@ def stored_bytes(found: Prediction) -> bytes:
         "part": found.numbers is not None,
         "classes": found.classes,
         "labels": found.labels,
+        "confused": [
+            [int(one), int(other), int(found.confused[one, other])]
+            for one, other in np.argwhere(found.confused)
+        ],
+        "doubts": found.doubts.tolist(),
     }
     head = json.dumps(about).encode()
     head += b" " * (-(4 + len(head)) % 4)  # aligns the numbers of points, which are read in place
@@ -293,23 +303,47 @@ def get_doubt(
         ),
     ] = None,
     most: Annotated[int, Query(ge=1, le=100)] = 5,
+    between: Annotated[
+        list[ClassName] | None, Query(max_length=2, description="only between these classes")
+    ] = None,
+    format: Annotated[Literal["source", "stored"], Query(description="order of `runs`")] = "source",
 ) -> list[PlaceOut]:
     """List the places where a label would teach most, the best first, in one or in all frames."""
     found = workspace.classifiers.doubt(
-        classifier, seq, frame=frame, workspace=all, near=near, most=most
+        classifier, seq, frame=frame, workspace=all, near=near, most=most, between=between or ()
     )
-    return [PlaceOut.of(each) for each in found if gate.may_see(who, each.sequence)]
+    seen = [each for each in found if gate.may_see(who, each.sequence)]
+    if format == "source":
+        seen = [_in_source_runs(workspace, each) for each in seen]
+    return [PlaceOut.of(each) for each in seen]
 
 
-@router.post("/sequences/{seq}/doubt/answers", status_code=204, responses=responses(404))
-def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws) -> None:
-    """Answer a doubt with none of the classes.
+def _in_source_runs(workspace: Ws, place: Place) -> Place:
+    stored = np.array(place.runs, np.int64)
+    numbers = ranges(stored[:, 0], stored.sum(axis=1))
+    source = workspace.recording(place.sequence)[place.frame].source_index[numbers]
+    return replace(place, runs=tuple(map(tuple, runs_of(np.sort(source)).tolist())))
 
-    The classifier no longer asks about this place and leaves it out of its predictions.  To answer
-    with a class, paint a stroke there.
+
+@router.post(
+    "/sequences/{seq}/doubt/answers",
+    responses={204: {"description": "None of the classes, or skipped"}, **responses(404, 409)},
+)
+def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws, who: Caller) -> EditOut:
+    """Answer a doubt.
+
+    A label is painted on the unlabelled and predicted points of the place, as one edit.  With none
+    of the classes, the classifier leaves the place out of its predictions.  It does not ask about
+    an answered or skipped place again.
     """
-    place = body.place
-    workspace.classifiers.ignore(body.classifier, seq, place.frame, place.centre, place.radius)
+    place, found = body.place, workspace.classifiers
+    if body.class_ is not None:
+        commit = found.answer(
+            body.classifier, seq, place.frame, place.centre, body.class_, author=who.author
+        )
+        return EditOut.of(commit)
+    found.ignore(body.classifier, seq, place.frame, place.centre, place.radius, skipped=body.skip)
+    return Response(status_code=204)  # type: ignore[return-value]
 
 
 @router.delete("/sequences/{seq}/doubt/answers", status_code=204, responses=responses(404))
@@ -318,7 +352,7 @@ def take_back_answer(
     workspace: Ws,
     classifier: Annotated[str, Query(pattern=ID, max_length=64)],
 ) -> None:
-    """Take back the last answer that was none of the classes in this recording."""
+    """Take back the last answer in this recording that was none of the classes, or skipped."""
     workspace.classifiers.heed(classifier, seq)
 
 

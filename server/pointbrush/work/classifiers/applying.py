@@ -98,13 +98,13 @@ def predicted(
         if voter is not None:
             chance = agreed(recording, frame, place, chance, voter, say)
         kind, sure = answered(chance, place.of_point)
-        kind[ignored_cells(model, recording, frame, place)[place.of_point]] = 0
+        kind[ignored_cells(model, recording, frame, place, None)[place.of_point]] = 0
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
         place, chance = asked(example_frame(recording, frame, piece.members))
         kind, sure = answered(chance, place.of_point)
-        kind[ignored_cells(model, recording, frame, place)[place.of_point]] = 0
+        kind[ignored_cells(model, recording, frame, place, piece.members)[place.of_point]] = 0
         inside = piece.inside
         yield (
             Found(frame, piece.members[inside], Packed.of(kind[inside]), Packed.of(sure[inside])),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -12,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.classify.asked import asked_points
 from pointbrush.classify.classifier import (
     Classifier,
     Ignored,
@@ -20,16 +22,17 @@ from pointbrush.classify.classifier import (
     from_file,
     to_file,
 )
-from pointbrush.classify.doubt import doubts
+from pointbrush.classify.doubt import Doubt, confusions, doubts
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import BUILT_IN, Model, Models
 from pointbrush.classify.options import MOST_IGNORED
 from pointbrush.classify.reliability import HeldOut
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.labels import LabelStore
+from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.types import PAINTED
+from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.described import DescribedFrames
@@ -45,8 +48,8 @@ SCORED_FRAMES = 3
 """Frames in which the accuracy is expected, evenly chosen."""
 FEWEST_CLASSES = 2
 """Classes of a recording from which others can start."""
-REACH = 0.35
-"""Radius of the stroke that answers an uncertain piece, in edges of the piece."""
+MOST_OFFERED = 256
+"""Uncertain pieces that are kept until their answer, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,14 +94,19 @@ class Prediction:
     classes: tuple[str, ...]
     labels: tuple[int, ...]
     """Label ids of the classes, 0 for none."""
+    confused: NDArray[np.int64]
+    """Points (K, K) in doubt between two classes, the first one lower."""
+    doubts: NDArray[np.int64]
+    """Places in doubt (K,) of each class."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
     """An uncertain place for a person to label.
 
-    ``centre`` (3,) source metres, ``radius`` of a stroke, ``points`` of the piece, the two most
-    probable ``classes``, and the ``doubt``, 0 to 1.
+    ``centre`` (3,) source metres, ``radius`` of a stroke, ``points`` of the piece and their
+    ``runs`` in stored order, first and length; the two most probable ``classes``, and the
+    ``doubt``, 0 to 1.
     """
 
     sequence: str
@@ -106,9 +114,24 @@ class Place:
     centre: tuple[float, float, float]
     radius: float
     points: int
+    runs: tuple[tuple[int, int], ...]
     classes: tuple[str, str]
     doubt: float
-    worth: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _View:
+    """A described frame, or its points ``members``, and what a classifier says of its cells.
+
+    ``open_`` (C,): cells without an answer.
+    """
+
+    recording: Recording
+    frame: int
+    place: Described
+    members: Numbers
+    chance: Chances
+    open_: NDArray[np.bool_]
 
 
 class Classifiers:
@@ -135,6 +158,8 @@ class Classifiers:
         self._frames = DescribedFrames(self.options)
         self._teacher = Teacher(store, self._frames, self.options)
         self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
+        self._offered: OrderedDict[tuple[object, ...], Numbers] = OrderedDict()
+        """Stored numbers of the pieces that were asked about, by import, frame and centre."""
         self._known: dict[str, tuple[ClassNames, Classifier]] = {}
         """Classifiers by id, each with the class names at the time it was read."""
         self._locks: dict[str, threading.RLock] = {}
@@ -295,10 +320,12 @@ class Classifiers:
         kind, sure = answered(chances, described.of_point)
         if not classifier.ready:
             kind, sure = np.zeros_like(kind), np.zeros_like(sure)
-        ignored = ignored_cells(classifier, recording, frame, described)[described.of_point]
+        ignored = ignored_cells(classifier, recording, frame, described, numbers)
+        confused, left = confusions(described, chances, ~ignored, self.options.doubt)
+        ignored = ignored[described.of_point]
         kind[ignored], sure[ignored] = 0, 0
         named = tuple(ids[1:].tolist())
-        return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named)
+        return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named, confused, left)
 
     def _chances(
         self, classifier: Classifier, recording: Recording, frame: int, place: Described,
@@ -341,20 +368,20 @@ class Classifiers:
 
     def doubt(
         self, identifier: str, sequence: str, *, frame: int | None = None, workspace: bool = False,
-        near: Sequence[float] | None = None, most: int = 5,
+        near: Sequence[float] | None = None, most: int = 5, between: Sequence[str] = (),
     ) -> list[Place]:  # fmt: skip
         """Return the most informative places for an answer, best first.
 
         The search covers one ``frame``, several frames of the recording, or several recordings of
         the workspace.  ``near`` (3,), source metres: centre of the search in a large frame of the
-        recording.
+        recording.  ``between``: only places in doubt between these classes.
         """
         classifier = self.current(identifier)
         names = [sequence]
         if workspace:
             others = [each for each in self._recordings() if each != sequence]
             names += others[: self.options.looked_recordings - 1]
-        found: list[Place] = []
+        found: list[tuple[float, Callable[[], Place]]] = []
         for name in names:
             recording = self._recording(name)
             count = len(recording)
@@ -362,57 +389,125 @@ class Classifiers:
                 count, self.options.looked_frames if not workspace else 2
             )  # fmt: skip
             for each in frames:
-                _ = recording[each]
-                at = near if name == sequence else None
-                found += self._doubts(classifier, recording, each, at, most)
-        return sorted(found, key=lambda place: -place.worth)[:most]
+                if recording[each].count:
+                    at = near if name == sequence else None
+                    found += self._doubts(classifier, recording, each, at, most, between)
+        found.sort(key=lambda each: -each[0])
+        return [make() for _, make in found[:most]]
 
     def _doubts(
         self, classifier: Classifier, recording: Recording, frame: int,
-        near: Sequence[float] | None, most: int,
-    ) -> list[Place]:  # fmt: skip
-        stored, sequence = recording[frame], recording.manifest.id
-        if stored.count == 0:
-            return []
+        near: Sequence[float] | None, most: int, between: Sequence[str],
+    ) -> list[tuple[float, Callable[[], Place]]]:  # fmt: skip
+        """Return how much places of a frame would teach, and what makes them."""
+        view = self._view(classifier, recording, frame, near)
+        open_ = view.open_
+        if between:
+            wanted = np.isin(classifier.classes, list(between))
+            open_ = open_ & wanted[np.argsort(-view.chance, axis=1)[:, :2]].all(axis=1)
+        taught = classifier.taught(self.options.forest.most)[0]
+        options = self.options.doubt
+        found = doubts(view.place, view.chance, open_, taught, classifier.spread, options, most)
+        return [(each.worth, partial(self._place, classifier, view, each)) for each in found]
+
+    def _view(
+        self, classifier: Classifier, recording: Recording, frame: int,
+        near: Sequence[float] | None,
+    ) -> _View:  # fmt: skip
+        """Ask a classifier about a frame, or about what is ``near`` (3,) source metres."""
+        stored = recording[frame]
         size = self._size(classifier, recording, frame)
-        shift = np.asarray(recording.manifest.shift, np.float64)
         middle = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
         if near is not None:
-            middle = np.asarray(near, np.float64) - shift
+            middle = np.asarray(near, np.float64) - np.asarray(recording.manifest.shift)
         place, members = self._frames.round(recording, frame, size, middle)
-        values = self._store.values(sequence, frame)
+        values = self._store.values(recording.manifest.id, frame)
         painted = ((values.provenance == PAINTED) | values.deleted)[members]
         done = cell_classes(place, painted.astype(np.uint8)) > 0
-        done |= ignored_cells(classifier, recording, frame, place)
-        taught = classifier.taught(self.options.forest.most)[0]
-        found = doubts(
-            place, self._chances(classifier, recording, frame, place, members), done, taught,
-            classifier.spread,
-            self.options.doubt, most,
-        )  # fmt: skip
-        level = level_rotation(recording.manifest)
-        return [
-            Place(
-                sequence, frame, tuple((each.centre @ level + shift).tolist()),
-                REACH * self.options.doubt.edge * place.size, each.points,
-                (classifier.classes[each.classes[0]], classifier.classes[each.classes[1]]),
-                each.doubt, each.worth,
+        done |= ignored_cells(classifier, recording, frame, place, members, skipped=True)
+        chance = self._chances(classifier, recording, frame, place, members)
+        return _View(recording, frame, place, members, chance, ~done)
+
+    def _piece(self, view: _View, cell: int) -> Numbers:
+        """Return stored numbers (n,), ascending, of the piece round a cell."""
+        best = view.chance.argmax(axis=1)
+        open_ = view.open_ & (best == best[cell])
+        open_[cell] = True
+        points = view.recording, view.frame, view.members
+        return np.sort(view.members[
+            asked_points(
+                view.place, cell, open_,
+                lambda some: example_frame(*points[:2], points[2][some]),
+                self.options.doubt,
             )
-            for each in found
-        ]  # fmt: skip
+        ])  # fmt: skip
+
+    def _place(self, classifier: Classifier, view: _View, doubt: Doubt) -> Place:
+        recording, manifest = view.recording, view.recording.manifest
+        piece = self._piece(view, doubt.cell)
+        middle = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
+        away = np.linalg.norm(recording[view.frame].coordinates[piece] - middle, axis=1)
+        x, y, z = (middle + np.asarray(manifest.shift)).tolist()
+        with self._lock:
+            self._offered[recording.identity, view.frame, x, y, z] = piece
+            while len(self._offered) > MOST_OFFERED:
+                self._offered.popitem(last=False)
+        first, second = (classifier.classes[each] for each in doubt.classes)
+        return Place(
+            manifest.id, view.frame, (x, y, z), max(float(np.median(away)), view.place.size / 2),
+            len(piece), tuple(map(tuple, runs_of(piece).tolist())), (first, second), doubt.doubt,
+        )  # fmt: skip
+
+    def _asked(
+        self, identifier: str, recording: Recording, frame: int, centre: Sequence[float]
+    ) -> Numbers:
+        """Return the piece that a place is of: the one that was offered, else made again."""
+        known = self._offered.get((recording.identity, frame, *centre))
+        if known is not None:
+            return known
+        view = self._view(self.current(identifier), recording, frame, centre)
+        level, shift = level_rotation(recording.manifest), np.asarray(recording.manifest.shift)
+        away = view.place.center - level @ (np.asarray(centre) - shift)
+        return self._piece(view, int(np.linalg.norm(away, axis=1).argmin()))
+
+    def answer(
+        self, identifier: str, sequence: str, frame: int, centre: Sequence[float], label: int, *,
+        author: str,
+    ) -> Commit:  # fmt: skip
+        """Answer a doubt with a label: paint its piece, as one edit.
+
+        Only points without a label change, and predicted ones.  ``centre`` (3,) as ``doubt`` has
+        it.  Raises NotFoundError, LockedLabelError, HiddenLabelError.
+        """
+        recording = self._recording(sequence)
+        _ = recording[frame]
+        self._store.require_paintable(sequence, label, frozenset())
+        piece = self._asked(identifier, recording, frame, centre)
+        write = Write(
+            piece, label=label, provenance=PAINTED, only="predictable", living=True,
+            hidden=frozenset(),
+        )  # fmt: skip
+        return self._store.apply(
+            sequence, edit_id=None, author=author, kind="paint", writes=[(frame, write)],
+            summary=f"answered a doubt of {len(piece):,} points", identity=recording.identity,
+        )  # fmt: skip
 
     def ignore(
-        self, identifier: str, sequence: str, frame: int, centre: Sequence[float], radius: float
-    ) -> None:
-        """Answer an uncertain place with none of the classes: ignore this ball from now on.
+        self, identifier: str, sequence: str, frame: int, centre: Sequence[float], radius: float, *,
+        skipped: bool = False,
+    ) -> None:  # fmt: skip
+        """Answer an uncertain place with none of the classes: ignore its piece from now on.
 
-        ``centre`` (3,) and ``radius``: source metres.  Raises NotFoundError, and BadInputError if
-        the classifier ignores too many places.
+        ``skipped``: predict the piece, but do not ask about it.  ``centre`` (3,) and ``radius``:
+        source metres, as ``doubt`` returns them.  Raises NotFoundError, and BadInputError if the
+        classifier ignores too many places.
         """
         recording = self._recording(sequence)
         _ = recording[frame]
         x, y, z = (np.asarray(centre) - np.asarray(recording.manifest.shift)).tolist()
-        place = Ignored(recording.identity, frame, (x, y, z), radius)
+        piece = self._asked(identifier, recording, frame, centre)
+        runs = tuple((start, length) for start, length in runs_of(piece).tolist())
+        place = Ignored(recording.identity, frame, (x, y, z), radius, runs, skipped)
         self._set_ignored(identifier, lambda known: (*known, place))
 
     def heed(self, identifier: str, sequence: str) -> None:
