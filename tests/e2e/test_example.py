@@ -35,6 +35,14 @@ def paint_a_little(server: LiveServer, classes: dict[str, NDArray[np.bool_]]) ->
             server.request("POST", f"sequences/{SEQUENCE}/frames/0/strokes", json=stroke)
 
 
+def asked_points(server: LiveServer) -> NDArray[np.int64]:
+    """Return the points that are asked about first in frame 0."""
+    (classifier,) = server.request("GET", "classifiers").json()
+    path = f"sequences/{SEQUENCE}/doubt?classifier={classifier['id']}&frame=0&most=1"
+    (place,) = server.request("GET", path).json()
+    return np.concatenate([np.arange(first, first + length) for first, length in place["runs"]])
+
+
 def assert_close_button_in_first_line(desk: Desk) -> None:
     bar, parts, close = desk.page.locator(".example-bar").evaluate(
         """(bar) => [bar, bar.querySelector('.example-row > :nth-child(2)'),
@@ -55,31 +63,50 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     page.get_by_role("button", name="By example").click()
     page.get_by_role("button", name="Learn from painted points").click()
     desk.until(f"Object.keys(pb.drawnLabels()).some((id) => id >= {PREDICTED} && id < 65280)")
-    expect(page.get_by_text("in doubt")).to_be_visible()
-    page.get_by_role("radio", name="Doubt").click()
-    desk.until("Object.keys(pb.drawnLabels()).some((id) => id >= 65280 && id < 65344)")
-    page.get_by_role("button", name="Classifier: its examples, other classifiers").click()
-    page.get_by_role("radio", name="This frame").click()
-    desk.press("Escape")
+    panel = page.get_by_role("complementary", name="By example")
+    classes = panel.get_by_role("list", name="Classes").get_by_role("button")
+    expect(classes).to_have_count(2)
+    expect(classes.first).to_contain_text("people")
+    colours = f"""[0, 3].map((step) => 4 * ({PREDICTED} + step))
+        .map((at) => [...pb.engine.viewer.palette.data.slice(at, at + 3)])"""
+    assert desk.ask(colours)[1] == [0xFF, 0x5D, 0x5D]
+    classes.last.click()  # alone: the other class is grey
+    desk.until(f"(([a, b]) => String(a) === String(b))({colours})")
+    classes.last.click()
+    desk.until(f"(([a, b]) => String(a) !== String(b))({colours})")
+    panel.get_by_role("radio", name="This frame").click()
     page.get_by_role("button", name="Work", exact=True).click()
     page.get_by_role("complementary", name="Work").wait_for()
+    expect(panel).to_be_hidden()
     for width in (1200, 1280):
         page.set_viewport_size({"width": width, "height": 720})
         assert_close_button_in_first_line(desk)
     page.get_by_role("button", name="Work", exact=True).click()
     desk.press(";")
-    expect(page.get_by_text("Which class is at the ring?")).to_be_visible()
+    question = page.get_by_role("group", name="A place in doubt")
+    expect(question).to_be_visible()
+    asked = "pb.drawnLabels()[65344] ?? 0"
+    points = desk.until(asked)
+    expect(question).to_contain_text(f"({points} point")
+    page.keyboard.down("`")
+    desk.until("pb.engine.viewer.mapping === 'natural'")
+    page.keyboard.up("`")
+    desk.until("pb.engine.viewer.mapping === 'classes'")
     before = sum(desk.labels().get(label, 0) for label in (1, 2))
     with page.expect_response("**/doubt/answers") as ignored:
-        desk.press("Alt+Enter")
+        desk.press("0")
     assert ignored.value.status == 204
     with page.expect_response("**/doubt/answers?classifier=*") as undone:
-        page.get_by_role("button", name="Undo", exact=True).last.click()
+        page.get_by_role("button", name="Undo answer").click()
     assert undone.value.status == 204
-    expect(page.get_by_text("Which class is at the ring?")).to_be_visible()
-    desk.press("Enter")
-    desk.until("pb.state.undo.value !== null && pb.state.pending.value === 0")
+    desk.until(f"{asked} === {points}")
+    with page.expect_response("**/doubt/answers") as answered:
+        desk.press("1" if (truth[asked_points(server)] > 0).mean() > 0.5 else "2")
+    assert answered.value.json()["changed"] == points
+    desk.until("pb.state.undo.value !== null")
+    assert (server.annotation(SEQUENCE, 0) > 0).sum() == before + points
     page.get_by_role("button", name="Turn into labels…").click()
+    expect(page.get_by_role("group", name="Changes")).to_contain_text("room")
     page.get_by_role("button", name="Label the points").click()
     desk.until("pb.labels(0)[0] === undefined || pb.labels(0)[0] === 0")
     after = server.annotation(SEQUENCE, 0)

@@ -10,6 +10,7 @@ import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import { followOwnKeys } from './engine/own-keys';
 import { ExampleBar, ExampleButton } from './example/bar';
+import { mountExample } from './example/panel';
 import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
@@ -55,6 +56,7 @@ export function startPage(early: Early): void {
     followOwnKeys();
     new Predicting(engine);
     mountWork();
+    mountExample();
     new Compared(engine);
     mountBoxes();
     new Flight(engine);

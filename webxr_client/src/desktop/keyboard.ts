@@ -7,7 +7,8 @@ import { keyTable } from './shortcuts';
 
 /** Return an event's key as `KEYS` writes it. */
 export function keyName(event: KeyboardEvent): string {
-  const key = event.key.toLowerCase();
+  // The key beside 1 gives an accent that waits for a letter on many keyboards.
+  const key = event.code === 'Backquote' ? '`' : event.key.toLowerCase();
   const printable = key.length === 1 && !/[a-z]/.test(key);
   let name = key;
   // Shift is already in the character that a punctuation key gives.
@@ -70,8 +71,14 @@ export function listenToKeys(camera: DeskCamera): () => void {
       if (camera.key(event.key.toLowerCase(), true)) event.preventDefault();
     }
   };
-  const up = (event: KeyboardEvent): void => void camera.key(event.key.toLowerCase(), false);
-  const blur = (): void => camera.releaseKeys();
+  const up = (event: KeyboardEvent): void => {
+    bindingOf(keyName(event), null)?.released?.();
+    camera.key(event.key.toLowerCase(), false);
+  };
+  const blur = (): void => {
+    for (const binding of keyTable.peek().values()) binding.released?.();
+    camera.releaseKeys();
+  };
   const abort = new AbortController();
   const own = { signal: abort.signal };
   addEventListener('keydown', down, own);

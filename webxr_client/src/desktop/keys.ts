@@ -7,7 +7,7 @@ import {
   pointsFromBox,
   turnRound,
 } from '../boxes/changes';
-import { answerDoubt, nextDoubt } from '../example/store';
+import { answerDoubt, answerNth, exampleOpen, natural, question, skipDoubt, takeBackAnswer } from '../example/store'; // prettier-ignore
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
 import { canEdit, isStroke, state, type BrushShape } from '../store/state';
@@ -29,6 +29,12 @@ export interface KeyBinding {
   readonly listed?: false;
   /** False: there was nothing to do, and the key is the browser's. */
   readonly run: (key: string) => unknown;
+  /** The key is no longer held. */
+  readonly released?: () => void;
+}
+
+function showNatural(on: boolean): void {
+  natural.value = on;
 }
 
 /** The lasso's key, pressed again, changes how the outline is drawn. */
@@ -86,20 +92,28 @@ export const KEYS: readonly KeyBinding[] = [
     'enter',
     'Enter',
     'Tools',
-    'Close the polygon, take the points in the box, or choose the first class',
-    () => actions.closeOutline() || answerDoubt(0),
+    'Close the polygon, take the points in the box, or answer with the likelier class',
+    () => actions.closeOutline() || answerDoubt(question.peek()?.classes[0]),
   ),
-  key('shift+enter', 'Shift Enter', 'Tools', 'Choose the second class of a doubt', () =>
-    answerDoubt(1),
-  ),
-  key('alt+enter', 'Alt Enter', 'Tools', 'Answer a doubt with none of the classes', () =>
-    answerDoubt('none'),
-  ),
-  key(';', ';', 'Tools', 'By example: next doubt', () => nextDoubt()),
+  key(';', ';', 'Tools', 'By example: next doubt', () => skipDoubt()),
+  key('`', '`', 'Tools', 'By example: natural colours while it is held', () => showNatural(true), {
+    when: () => exampleOpen.peek(),
+    released: () => showNatural(false),
+  }),
   key('shift+g', 'Shift G', 'Tools', 'Snap the box to the ground', () => actions.snapBox()),
-  key('0', '0', 'Tools', 'Use the tool at the centre of the view', () => actions.useInMiddle()),
-  key('backspace', 'Backspace', 'Tools', 'Remove the polygon’s last corner', () =>
-    actions.takeBackCorner(),
+  key(
+    '0',
+    '0',
+    'Tools',
+    'Use the tool at the centre of the view, or answer a doubt with no class',
+    () => answerDoubt(null) || actions.useInMiddle(),
+  ),
+  key(
+    'backspace',
+    'Backspace',
+    'Tools',
+    'Remove the polygon’s last corner, or undo the answer to a doubt',
+    () => actions.takeBackCorner() || takeBackAnswer(),
   ),
   {
     keys: ['escape'],
@@ -140,10 +154,10 @@ export const KEYS: readonly KeyBinding[] = [
   {
     keys: ['1', '2', '3', '4', '5', '6', '7', '8', '9'],
     shown: '1 – 9',
-    what: 'Choose a label',
+    what: 'Choose a label, or answer a doubt with a class',
     listed: false,
     group: 'Labels',
-    run: (key) => actions.selectNthLabel(Number(key)),
+    run: (key) => answerNth(Number(key)) || actions.selectNthLabel(Number(key)),
   },
   {
     keys: [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => `shift+${digit}`),

@@ -1,12 +1,14 @@
 import { describe, expect, it } from 'vitest';
-import { DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
+import { PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
 import type { Label } from '../protocol/messages';
-import { coloursOf, countOf, idsOf, labelOf, predictionOf } from './model';
+import { coloursOf, idsOf, labelOf, mapColours, predictionOf, talliesOf } from './model';
 
 const SAID = {
   numbers: null,
   kind: Uint8Array.of(0, 1, 2, 2),
   confidence: Uint8Array.of(255, 255, 0, 128),
+  confused: [[0, 1, 1]] as const,
+  doubts: [0, 1],
 };
 
 function label(id: number, name: string, category: string, color = '#112233'): Label {
@@ -14,16 +16,19 @@ function label(id: number, name: string, category: string, color = '#112233'): L
 }
 
 describe('what a classifier says of a frame', () => {
-  it('has the colour of its class, and none where nothing was taught', () => {
-    expect([...idsOf(SAID, 'classes')]).toEqual([0, PREDICTED, PREDICTED + 1, PREDICTED + 1]);
-  });
-
-  it('has the colour of its doubt', () => {
-    expect([...idsOf(SAID, 'doubt')]).toEqual([0, DOUBT + DOUBT_STEPS - 1, DOUBT, DOUBT + 32]);
+  it('has the colour of its class, the greyer the less certain, and none where nothing was taught', () => {
+    const ids = [...idsOf(SAID)];
+    expect(ids).toEqual([0, PREDICTED + 3, PREDICTED + SURE_STEPS, PREDICTED + SURE_STEPS + 2]);
+    const colours = mapColours(['#ff0000', '#0000ff'], null);
+    expect(colours[ids[1]! - PREDICTED]).toBe('#ff0000');
+    expect(colours[ids[3]! - PREDICTED]).not.toBe('#0000ff');
+    expect(new Set(mapColours(['#ff0000', '#0000ff'], 1).slice(0, SURE_STEPS)).size).toBe(1);
   });
 
   it('is read from the bytes of an answer', () => {
-    const head = new TextEncoder().encode('{"points": 4} ');
+    const head = new TextEncoder().encode(
+      '{"points": 4, "confused": [[0, 1, 1]], "doubts": [0, 1]} ',
+    );
     const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...SAID.kind, ...SAID.confidence);
     expect(predictionOf(bytes.buffer)).toEqual(SAID);
   });
@@ -37,8 +42,11 @@ describe('what a classifier says of a frame', () => {
     expect([[...said.kind], [...said.confidence]]).toEqual([[1, 2], [200, 100]]); // prettier-ignore
   });
 
-  it('is counted, with what is in doubt', () => {
-    expect(countOf(SAID)).toEqual({ points: 3, unsure: 1 });
+  it('is counted by class, above a confidence and of some points', () => {
+    const [all, ...each] = talliesOf(SAID, 2);
+    expect(all).toMatchObject({ points: 3, unsure: 1 });
+    expect(each.map(({ points }) => points)).toEqual([1, 2]);
+    expect(talliesOf(SAID, 2, 100, (point) => point !== 1)[0]?.points).toBe(1);
   });
 });
 

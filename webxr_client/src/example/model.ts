@@ -1,6 +1,6 @@
 /** Values of label by example: the server's answers by its names, and what the page makes of them. */
-import { DOUBT, DOUBT_STEPS, MOST_CLASSES, PREDICTED } from '../cloud/picture/palette';
-import { UNKNOWN } from '../engine/colouring';
+import { MOST_CLASSES, PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
+import { mixed, UNKNOWN } from '../engine/colouring';
 import type { Label } from '../protocol/messages';
 
 export interface Classifier {
@@ -13,6 +13,15 @@ export interface Classifier {
   readonly examples: Readonly<Record<string, number>>;
   /** Share of held-out examples that it gets right; null: too few to tell. */
   readonly score: number | null;
+  /** Class → its accuracy in places held out, null where these are too few. */
+  readonly held_out?: Readonly<Record<string, HeldOut>>;
+  /** Least confidence that the accuracy in places held out supports, 0..1. */
+  readonly above?: number;
+}
+
+export interface HeldOut {
+  readonly accuracy: number | null;
+  readonly places: number;
 }
 
 /** A place whose answer would teach most. */
@@ -24,6 +33,8 @@ export interface Question {
   /** Of a stroke that answers, metres. */
   readonly radius: number;
   readonly points: number;
+  /** Stored numbers of the points: first and length of each run. */
+  readonly runs: readonly (readonly [first: number, length: number])[];
   /** The two classes that it may be, the likelier first. */
   readonly classes: readonly string[];
 }
@@ -36,6 +47,10 @@ export interface Prediction {
   readonly kind: Uint8Array;
   /** 0 not at all sure, 255 sure. */
   readonly confidence: Uint8Array;
+  /** Numbers of two classes, and the points that are in doubt between them. */
+  readonly confused: readonly (readonly [one: number, other: number, points: number])[];
+  /** Places in doubt of each class. */
+  readonly doubts: readonly number[];
 }
 
 /** Read a prediction: the length of its head, the head as JSON, numbers of points, classes, confidences. */
@@ -44,15 +59,14 @@ export function predictionOf(bytes: ArrayBuffer): Prediction {
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as {
     readonly points: number;
     readonly part?: boolean;
-  };
-  const { points } = head;
+  } & Pick<Prediction, 'confused' | 'doubts'>;
+  const { points, confused, doubts } = head;
   const numbers = head.part ? new Uint32Array(bytes, 4 + length, points) : null;
   const at = 4 + length + (numbers?.byteLength ?? 0);
   const kind = new Uint8Array(bytes, at, points);
-  return { numbers, kind, confidence: new Uint8Array(bytes, at + points, points) };
+  const confidence = new Uint8Array(bytes, at + points, points);
+  return { numbers, kind, confidence, confused, doubts };
 }
-
-export type Shows = 'classes' | 'doubt';
 
 /** Frames in which doubts are looked for. */
 export type Scope = 'frame' | 'recording' | 'workspace';
@@ -61,29 +75,59 @@ export type Scope = 'frame' | 'recording' | 'workspace';
 export const UNSURE_BELOW = 64;
 
 /** Ids of the palette's texture for what is predicted of each point. */
-export function idsOf({ kind, confidence }: Prediction, shows: Shows): Uint16Array {
+export function idsOf({ kind, confidence }: Prediction): Uint16Array {
   const ids = new Uint16Array(kind.length);
   for (let i = 0; i < ids.length; i++) {
     const k = kind[i]!;
     if (k === 0 || k > MOST_CLASSES) continue;
-    ids[i] =
-      shows === 'classes'
-        ? PREDICTED + k - 1
-        : DOUBT + Math.floor((confidence[i]! * DOUBT_STEPS) / 256);
+    ids[i] = PREDICTED + (k - 1) * SURE_STEPS + Math.floor((confidence[i]! * SURE_STEPS) / 256);
   }
   return ids;
 }
 
-/** Points that are predicted, and those of them in doubt. */
-export function countOf({ kind, confidence }: Prediction): { points: number; unsure: number } {
-  let points = 0;
-  let unsure = 0;
+/** Points of one class, or of all together. */
+export interface Tally {
+  readonly points: number;
+  readonly unsure: number;
+  /** Sum of the confidences, 0..1 each. */
+  readonly sure: number;
+}
+
+/**
+ * Points of each class, from 1, that are predicted with at least the confidence `least`, 0..255;
+ * `takes` tells which points count.  The first entry counts all.
+ */
+export function talliesOf(
+  { kind, confidence }: Prediction,
+  classes: number,
+  least = 0,
+  takes: (point: number) => boolean = () => true,
+): Tally[] {
+  const rows = Array.from({ length: classes + 1 }, () => ({ points: 0, unsure: 0, sure: 0 }));
   for (let i = 0; i < kind.length; i++) {
-    if (kind[i] === 0) continue;
-    points += 1;
-    if (confidence[i]! < UNSURE_BELOW) unsure += 1;
+    const k = kind[i]!;
+    const sure = confidence[i]!;
+    if (k === 0 || k > classes || sure < least || !takes(i)) continue;
+    for (const row of [rows[0]!, rows[k]!]) {
+      row.points += 1;
+      row.sure += sure / 255;
+      if (sure < UNSURE_BELOW) row.unsure += 1;
+    }
   }
-  return { points, unsure };
+  return rows;
+}
+
+/** Grey that the colour of a class fades to, and how much of it the least sure points have. */
+const [FADED, FADE] = ['#8f8f8f', 0.75];
+
+/** Colours of the ids of `idsOf`; of all classes but `only` none stays. */
+export function mapColours(colours: readonly string[], only: number | null): string[] {
+  return colours.flatMap((colour, k) =>
+    Array.from({ length: SURE_STEPS }, (_, step) => {
+      const fade = only !== null && only !== k ? 1 : FADE * (1 - step / (SURE_STEPS - 1));
+      return mixed(colour, FADED, fade);
+    }),
+  );
 }
 
 /** The class that a label is of: its category, or its name where it has none. */

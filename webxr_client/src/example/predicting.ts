@@ -1,31 +1,26 @@
-/** Shows on the frame on screen what a classifier predicts of it, and paints answers to its doubts. */
-import { ASKED, DOUBT, DOUBT_STEPS, PREDICTED } from '../cloud/picture/palette';
+/** Shows on the frame on screen what a classifier predicts of it, and the place that it asks about. */
+import { ASKED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { lowerBound } from '../cloud/points/piece';
-import { sureColour } from '../engine/colouring';
 import type { Engine } from '../engine/engine';
 import { ApiError } from '../net/rest';
-import { actions } from '../store/actions';
 import { notify, state } from '../store/state';
 import { follow, watch } from '../store/watch';
 import { lookedAt } from './looking';
-import { coloursOf, countOf, idsOf, labelOf, type Prediction } from './model';
+import { coloursOf, idsOf, mapColours, type Prediction } from './model';
 import {
-  type Answer,
-  answer,
   asking,
   classifier,
   exampleOpen,
-  ignore,
   ignored,
   leaveQuestion,
   looking,
-  nextDoubt,
+  natural,
+  only,
   predict,
   predicted,
   question,
   showPlace,
-  shows,
 } from './store';
 
 /** Edits and frames come one after the other: the server is asked once they rest, milliseconds. */
@@ -45,24 +40,27 @@ export class Predicting {
       const frame = engine.frame();
       return frame ? this.placeIn(frame) : undefined;
     };
-    const steps = Array.from({ length: DOUBT_STEPS }, (_, k) => sureColour(k / (DOUBT_STEPS - 1)));
-    palette.setPredicted(DOUBT, steps);
+    looking.open = ({ numbers, kind }) => {
+      const frame = engine.frame();
+      return frame && kind.map((_, i) => (frame.storedLabelOf(numbers ? numbers[i]! : i) ? 0 : 1));
+    };
     follow(() => {
       const classes = classifier.value?.classes ?? [];
-      palette.setPredicted(PREDICTED, coloursOf(classes, state.palette.value));
+      const chosen = classes.indexOf(only.value ?? '');
+      const colours = coloursOf(classes, state.palette.value);
+      palette.setPredicted(mapColours(colours, chosen < 0 ? null : chosen));
       engine.viewer.invalidate();
+    });
+    follow(() => {
+      const mapping = natural.value ? 'natural' : 'classes';
+      engine.viewer.setMapping(exampleOpen.value ? mapping : 'view', question.value !== null);
     });
     watch([exampleOpen, classifier, ignored], () => this.clear());
     watch([exampleOpen, classifier, ignored, state.shown, state.counts, state.playing], () =>
       this.ask(),
     );
-    watch([shows, question], () => this.showAgain());
+    watch([question], () => this.showAgain());
     watch([state.sequence], () => this.openedAnother());
-    follow(() => {
-      const choice = answer.value;
-      answer.value = null;
-      if (choice !== null) this.carryOut(choice);
-    });
   }
 
   /** Another recording is open: the place in doubt that led there stays. */
@@ -78,7 +76,7 @@ export class Predicting {
     const frame = this.engine.frame();
     if (!exampleOpen.peek() || !classifier.peek() || !frame) return;
     const known = this.said.get(frame);
-    predicted.value = known ? countOf(known) : null;
+    predicted.value = known ?? null;
     const here = frame.large ? frame.loaded > 0 : frame.complete;
     if (state.playing.peek() || !here) return;
     this.timer = setTimeout(() => void this.fetch(frame), REST_MS);
@@ -120,20 +118,12 @@ export class Predicting {
   }
 
   private show(frame: CloudFrame, said: Prediction): void {
-    const ids = idsOf(said, shows.peek());
+    const ids = idsOf(said);
     const place = question.peek();
-    if (place?.frame === frame.index) {
-      markRound(
-        frame,
-        place.centre.map((x, k) => x - this.engine.shift()[k]!),
-        place.radius,
-        said.numbers,
-        ids,
-      );
-    }
+    if (place?.frame === frame.index) mark(place.runs, said.numbers, ids);
     frame.predict({ numbers: said.numbers, ids });
     if (frame === this.engine.frame()) {
-      predicted.value = countOf(said);
+      predicted.value = said;
       this.engine.viewer.show(frame);
     }
   }
@@ -158,56 +148,16 @@ export class Predicting {
     }
     if (shown && predicts) this.engine.viewer.show(shown);
   }
-
-  /** Paint a ball of a class at the place in doubt, or ignore the place, and go to the next. */
-  private carryOut(choice: Answer): void {
-    const place = question.peek();
-    if (!place) return;
-    if (choice === 'none') {
-      leaveQuestion();
-      void ignore(place).then(nextDoubt);
-      return;
-    }
-    const name = place.classes[choice]!;
-    const label = labelOf(name, state.palette.peek());
-    if (label) this.paint(place.centre, place.radius, label.id);
-    else void actions.createLabel(name).then((id) => this.paint(place.centre, place.radius, id));
-  }
-
-  private paint(centre: readonly number[], radius: number, label: number): void {
-    const stroke = this.engine.beginStroke({
-      shape: 'sphere',
-      tool: 'paint',
-      radius,
-      label,
-      only_unlabeled: true,
-    });
-    const shift = this.engine.shift();
-    const [x, y, z] = centre.map((value, k) => value - shift[k]!) as [number, number, number];
-    stroke?.add({ origin: [x, y, z], direction: [0, 0, -1] });
-    stroke?.end();
-    void nextDoubt();
-  }
 }
 
-/** Write `ASKED` for the points of a frame in a ball, local coordinates and metres. */
-function markRound(
-  { pieces }: CloudFrame,
-  [x, y, z]: readonly number[],
-  radius: number,
+/** Write `ASKED` for points by their runs; `numbers`: those that `ids` are of, null: all. */
+function mark(
+  runs: readonly (readonly [number, number])[],
   numbers: Uint32Array | null,
   ids: Uint16Array,
 ): void {
-  const mark = (number: number): void => {
-    const at = numbers ? lowerBound(numbers, number) : number;
-    if (!numbers || numbers[at] === number) ids[at] = ASKED;
-  };
-  for (const { words, origin, scale, first, count } of pieces) {
-    for (let i = 0, w = 0; i < count; i++, w += 6) {
-      const dx = origin[0] + words[w]! * scale[0] - x!;
-      const dy = origin[1] + words[w + 1]! * scale[1] - y!;
-      const dz = origin[2] + words[w + 2]! * scale[2] - z!;
-      if (dx * dx + dy * dy + dz * dz <= radius * radius) mark(first + i);
-    }
+  for (const [first, length] of runs) {
+    const from = numbers ? lowerBound(numbers, first) : first;
+    ids.fill(ASKED, from, numbers ? lowerBound(numbers, first + length) : first + length);
   }
 }

@@ -1,27 +1,33 @@
 /** State of label by example, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
-import { attempt, sequencePath } from '../engine/recordings';
+import { attempt, sequencePath, succeeds } from '../engine/recordings';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
 import { marked } from '../work/places';
+import { workOpen } from '../work/store';
 import {
+  labelOf,
   predictionOf,
   type Classifier,
   type Prediction,
   type Question,
   type Scope,
-  type Shows,
 } from './model';
 
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
 export const classifiers = signal<readonly Classifier[] | null>(null);
+/** Recordings whose labels a new classifier can start from. */
+export const starts = signal<readonly string[]>([]);
 /** The one that is asked, or null. */
 export const classifier = signal<Classifier | null>(null);
-export const shows = signal<Shows>('classes');
-/** Points predicted in the frame on screen; null: nothing yet. */
-export const predicted = signal<{ readonly points: number; readonly unsure: number } | null>(null);
+/** The only class in colour; null: all. */
+export const only = signal<string | null>(null);
+/** The points have the recording's own colours, while a key is held. */
+export const natural = signal(false);
+/** What is predicted of the frame on screen; null: nothing yet. */
+export const predicted = signal<Prediction | null>(null);
 /** Changes of the places that the classifier ignores. */
 export const ignored = signal(0);
 /** Something is asked of the server. */
@@ -29,7 +35,11 @@ export const asking = signal(false);
 /** Frames in which doubts are looked for. */
 export const scope = signal<Scope>('recording');
 /** Tells the place of a large frame that one looks at, source coordinates; set by the picture. */
-export const looking: { at: () => readonly number[] | undefined } = { at: () => undefined };
+export const looking = {
+  at: (): readonly number[] | undefined => undefined,
+  /** Tells of each predicted point whether it has no label, 1, or one, 0. */
+  open: (_said: Prediction): Uint8Array | null => null,
+};
 /** The place in doubt that one was led to. */
 export const question = signal<Question | null>(null);
 
@@ -38,17 +48,68 @@ export const answerable = computed(
   () => canEdit.value && question.value?.frame === state.shown.value.frame,
 );
 
-/** The first or the second class of the question, or none of the classes. */
-export type Answer = 0 | 1 | 'none';
+/** Answers that can be taken back, the last one last; a class, or none of them. */
+export const answered = signal<readonly { place: Question; name: string | null }[]>([]);
 
-/** The answer that was chosen, until it is carried out. */
-export const answer = signal<Answer | null>(null);
-
-/** Answer the question; false when there is none, or another frame is on screen. */
-export function answerDoubt(choice: Answer): boolean {
-  if (!answerable.peek()) return false;
-  answer.value = choice;
+/** Answer the question with a class, or with none; false when there is none, or another frame is on screen. */
+export function answerDoubt(name: string | null | undefined): boolean {
+  const place = question.peek();
+  if (!place || name === undefined || !answerable.peek()) return false;
+  void answer(place, name);
   return true;
+}
+
+/** Answer with the class of a number, from 1. */
+export function answerNth(number: number): boolean {
+  return answerDoubt(classifier.peek()?.classes[number - 1]);
+}
+
+async function answer(place: Question, name: string | null): Promise<void> {
+  question.value = null;
+  const stored = await succeeds('The answer was not stored', async () => {
+    const known = name === null ? null : labelOf(name, state.palette.peek())?.id;
+    const label = known === undefined ? await actions.createLabel(name!) : known;
+    await send(place, { class: label });
+  });
+  if (!stored) {
+    question.value = place;
+    return;
+  }
+  answered.value = [...answered.peek(), { place, name }];
+  if (name === null) ignored.value += 1;
+  await nextDoubt();
+}
+
+function send({ sequence, frame, centre, radius }: Question, answer: object): Promise<unknown> {
+  const body = { classifier: classifier.peek()!.id, place: { frame, centre, radius }, ...answer };
+  return api('POST', `${sequencePath(sequence)}/doubt/answers`, body);
+}
+
+/** Take back the last answer, and ask again; false when there is none. */
+export function takeBackAnswer(): boolean {
+  const last = answered.peek().at(-1);
+  if (!exampleOpen.peek() || !last) return false;
+  answered.value = answered.peek().slice(0, -1);
+  void attempt('The answer was not taken back', async () => {
+    const { sequence } = last.place;
+    const id = encodeURIComponent(classifier.peek()!.id);
+    if (last.name !== null) await api('POST', `${sequencePath(sequence)}/undo`);
+    else await api('DELETE', `${sequencePath(sequence)}/doubt/answers?classifier=${id}`);
+    if (last.name === null) ignored.value += 1;
+    goTo(last.place);
+  });
+  return true;
+}
+
+/** Go to the next place in doubt; one that is not answered is not asked about again. */
+export async function skipDoubt(): Promise<void> {
+  const place = question.peek();
+  if (place && canEdit.peek())
+    await attempt(
+      'The place was not skipped',
+      async () => void (await send(place, { class: null, skip: true })),
+    );
+  await nextDoubt();
 }
 
 /** Open the bar, or close it; what was predicted goes with it. */
@@ -58,12 +119,15 @@ export function toggleExample(): void {
 }
 
 export function closeExample(): void {
-  exampleOpen.value = false;
+  exampleOpen.value = natural.value = false;
+  only.value = null;
+  answered.value = [];
   leaveQuestion();
 }
 
 export async function openExample(): Promise<void> {
   exampleOpen.value = true;
+  workOpen.value = false;
   await attempt('The classifiers did not load', async () => {
     const found = await api<Classifier[]>('GET', 'classifiers');
     classifiers.value = found;
@@ -78,15 +142,17 @@ export async function openExample(): Promise<void> {
 
 export function chooseClassifier(id: string): void {
   classifier.value = classifiers.peek()?.find((one) => one.id === id) ?? null;
+  answered.value = [];
   leaveQuestion();
 }
 
-/** Make a classifier of what is painted in the open recording. */
-export async function makeClassifier(): Promise<void> {
+/** Make a classifier of what is painted in the open recording, and labelled in others. */
+export async function makeClassifier(others: readonly string[] = []): Promise<void> {
   const { id, name } = state.sequence.peek()!;
+  const more = others.length > 0 ? { start_from: others } : {};
   asking.value = true;
   await attempt('The classifier was not trained', async () => {
-    const made = await api<Classifier>('POST', 'classifiers', { name, recordings: [id] });
+    const made = await api<Classifier>('POST', 'classifiers', { name, recordings: [id], ...more });
     classifiers.value = [...(classifiers.peek() ?? []), made];
     classifier.value = made;
   });
@@ -96,10 +162,10 @@ export async function makeClassifier(): Promise<void> {
 /** Let the open recording teach the classifier as well. */
 export async function teachHere(): Promise<void> {
   const { id } = classifier.peek()!;
-  const recordings = [state.sequence.peek()!.id];
+  const more = { recordings: [state.sequence.peek()!.id] };
   await attempt('The classifier was not trained', async () => {
     const path = `classifiers/${encodeURIComponent(id)}/teach`;
-    const taught = await api<Classifier>('POST', path, { recordings });
+    const taught = await api<Classifier>('POST', path, more);
     classifiers.value = classifiers.peek()!.map((one) => (one.id === id ? taught : one));
     classifier.value = taught;
   });
@@ -125,54 +191,32 @@ export async function predict(
   return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
 }
 
-/** Answer that a place is of no class: the classifier neither asks about it again nor labels it. */
-export async function ignore({ frame, centre, radius, sequence }: Question): Promise<void> {
-  const { id } = classifier.peek()!;
-  const path = `${sequencePath(sequence)}/doubt/answers`;
-  await attempt('The answer was not stored', async () => {
-    await api('POST', path, { classifier: id, place: { frame, centre, radius } });
-    const run = (): void =>
-      void attempt('The answer was not taken back', async () => {
-        await api('DELETE', `${path}?classifier=${encodeURIComponent(id)}`);
-        ignored.value += 1;
-      });
-    notify('info', 'Ignored this place', 'It gets no label.', { label: 'Undo', run });
-    ignored.value += 1;
-  });
-}
-
-/** Go to the place whose answer would teach most. */
-export async function nextDoubt(): Promise<void> {
+/** Go to the place whose answer would teach most, of all or `between` two classes. */
+export async function nextDoubt(between: readonly string[] = []): Promise<void> {
   const chosen = classifier.peek();
   if (!exampleOpen.peek() || !chosen) return;
-  const before = question.peek();
   asking.value = true;
   await attempt('The search for doubts failed', async () => {
-    const places = await api<Question[]>('GET', doubtPath(chosen.id));
-    const next = places.find((place) => !before || far(place, before)) ?? places[0];
-    if (next) goTo(next);
-    else
-      notify(
-        'info',
-        'No doubtful places',
-        'Turn the prediction into labels or paint more examples.',
-      );
+    const before = question.peek();
+    const [next] = await api<Question[]>('GET', doubtPath(chosen.id, between));
+    if (question.peek() !== before) return; // an answer was taken back meanwhile
+    if (next) {
+      goTo(next);
+      return;
+    }
+    leaveQuestion();
+    notify('info', 'No doubtful places', 'Turn the prediction into labels or paint more examples.');
   });
   asking.value = false;
 }
 
-function doubtPath(id: string): string {
-  const asked = new URLSearchParams({ classifier: id });
+function doubtPath(id: string, between: readonly string[]): string {
+  const asked = new URLSearchParams({ classifier: id, format: 'stored', most: '1' });
   if (scope.peek() === 'frame') asked.set('frame', String(state.frame.peek()));
   if (scope.peek() === 'workspace') asked.set('workspace', 'true');
+  for (const name of between) asked.append('between', name);
   for (const x of looking.at() ?? []) asked.append('near', String(x));
   return `${sequencePath(state.sequence.peek()!.id)}/doubt?${asked.toString()}`;
-}
-
-/** True when two places are not the same one, asked again. */
-function far(one: Question, other: Question): boolean {
-  if (one.frame !== other.frame) return true;
-  return Math.hypot(...one.centre.map((x, k) => x - other.centre[k]!)) > one.radius;
 }
 
 function goTo(place: Question): void {

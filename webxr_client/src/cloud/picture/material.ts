@@ -29,6 +29,10 @@ export function colorModeOf(wanted: ColorMode, fields: readonly string[]): Color
   return mode;
 }
 
+/** Colours of the view; classes shaded by height and intensity; or the recording's colours alone. */
+export type Mapping = 'view' | 'classes' | 'natural';
+const MAPPINGS = { view: 0, classes: 1, natural: 2 } as const;
+
 /** Whether points without labels have next to no colours, so that depth alone shows shapes. */
 export function isPlain(mode: ColorMode): boolean {
   return mode === 'plain' || COLOR_MODES[mode] === COLOR_MODES.label;
@@ -47,7 +51,7 @@ const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
 const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND, SURFACE] = [28, 32, 33, 34, 35];
-const INTENSITY_FIT = 36;
+const [INTENSITY_FIT, MAPPING] = [36, 38];
 const CLIP = 40;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE] = [20, 23, 24, 25];
 const [HALF_HEIGHT, OUTLINING] = [26, 27];
@@ -159,6 +163,10 @@ export class PointUniforms {
     value[BRUSH_COLOUR] = r;
     value[BRUSH_COLOUR + 1] = g;
     value[BRUSH_COLOUR + 2] = b;
+  }
+
+  setMapping(mapping: Mapping): void {
+    this.settings.value[MAPPING] = MAPPINGS[mapping];
   }
 
   /** Points that have a label are not lit. */

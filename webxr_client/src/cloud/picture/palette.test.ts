@@ -5,7 +5,7 @@ describe('the palette', () => {
   it('lets rays meet what is previewed and predicted, whatever labels there are', () => {
     const palette = new PaletteTexture();
     palette.setPreview('#ff0000');
-    palette.setPredicted(PREDICTED, ['#00ff00']);
+    palette.setPredicted(['#00ff00']);
     palette.set([], null, []);
     expect(palette.isShown(PREVIEW)).toBe(true);
     expect(palette.isShown(PREDICTED)).toBe(true);

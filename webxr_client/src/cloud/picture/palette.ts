@@ -5,13 +5,11 @@ import type { Label } from '../../protocol/messages';
 const SIDE = 256;
 /** Id of the points of a click's candidate: lighter than the label that they would get. */
 export const PREVIEW = 65534;
-/** The first of as many ids as a classifier may have classes: the class predicted for a point. */
+/** The first id of the classes predicted for points: `SURE_STEPS` of each class, the surest last. */
 export const PREDICTED = 65024;
-export const MOST_CLASSES = 256;
-/** The first of the ids that tell how sure a classifier is, from not at all. */
-export const DOUBT = 65280;
-export const DOUBT_STEPS = 64;
-/** Points of a place that is asked about: white, and in the headset they pulse. */
+export const MOST_CLASSES = 64;
+export const SURE_STEPS = 4;
+/** Points of a place that is asked about: in their own colours, and in the headset they pulse. */
 export const ASKED = 65344;
 /** The first of the ids for labels of a copy, and for differences of two copies. */
 export const OTHERS = 65345;
@@ -76,9 +74,9 @@ export class PaletteTexture {
     this.texture.needsUpdate = true;
   }
 
-  /** Set the colours of predictions or doubts, ids from `PREDICTED` or `DOUBT` on, "#rrggbb". */
-  setPredicted(first: number, colors: readonly string[]): void {
-    this.paint(first, colors, FLAG_VISIBLE | FLAG_PREDICTED);
+  /** Set the colours of predictions, ids from `PREDICTED` on, "#rrggbb". */
+  setPredicted(colors: readonly string[]): void {
+    this.paint(PREDICTED, colors, FLAG_VISIBLE | FLAG_PREDICTED);
   }
 
   /** Colours of the ids from `OTHERS` on, "#rrggbb". */

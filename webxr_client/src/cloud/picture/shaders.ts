@@ -58,6 +58,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define clipZ settings[12]
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
 #define outlining settings[6].w                 // 1: alpha marks the points of a click's candidate
+#define mapping int(settings[9].z)              // 1: classes, shaded; 2: the recording's colours alone
 
 out vec4 shade;
 #ifndef SURFACE
@@ -197,7 +198,14 @@ void main() {
   base = min(base * gain, vec3(1.0));
 
   if (deleted) base = mix(base, vec3(0.85, 0.2, 0.2), 0.75) * 0.7;
-  else if (id != 0) {
+  else if (mapping == 1 && id != 65344) {
+    float height = clamp(dot(heightRow, vec4(position, 1.0)), 0.0, 1.0);
+    float tone = 0.5 + 0.32 * lightness() + 0.26 * height;
+    // What people have labelled is lighter than what is predicted of the same class.
+    vec3 own = id == 0 ? vec3(0.5) : predicted ? entry.rgb : mix(entry.rgb, vec3(1.0), 0.4);
+    base = own * (unlabeled ? tone : tone + 0.15);
+  }
+  else if (mapping != 2 && id != 0 && id != 65344) {
     // The recording's light and shade stays under the label's colour, so that shapes stay legible.
     float light = dot(base, vec3(0.299, 0.587, 0.114));
     base = mix(base, entry.rgb * (0.55 + 0.6 * light), predicted ? 0.85 * labelBlend : labelBlend);
@@ -215,7 +223,8 @@ void main() {
       grow *= 1.15;
     }
   }
-  shade = vec4(base, id == 65534 && outlining > 0.5 ? 0.5 : 1.0);
+  bool edged = id == 65534 || id == 65344;
+  shade = vec4(base, edged && outlining > 0.5 ? 0.5 : 1.0);
 
   vec4 eye = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * eye;

@@ -13,7 +13,7 @@ import { canReverse, reverseEyes, setPlanes, setReversed } from './headset-depth
 import { LargeCloud } from './large';
 import { Lens } from './lens';
 import type { PlacedFrame } from '../points/layer';
-import { isPlain, PointUniforms } from './material';
+import { isPlain, type Mapping, PointUniforms } from './material';
 import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
@@ -67,6 +67,10 @@ export class Viewer {
   /** The recording's diagonal, metres. */
   private extent = 0;
   private outlined = false;
+  private mapping: Mapping = 'view';
+  /** The points of a question have an edge. */
+  private asking = false;
+  private shading = [true, false] as [on: boolean, plain: boolean];
   private dirty = true;
   private limit = ALL_POINTS;
   private measuring = false;
@@ -212,7 +216,8 @@ export class Viewer {
   setView(view: ViewSettings, fields: readonly string[]): void {
     this.uniforms.set(view, fields);
     this.showNormals(view.color === 'normal');
-    this.eyeDome.shade(view.eyeDome, isPlain(view.color));
+    this.shading = [view.eyeDome, isPlain(view.color)];
+    this.setMapping(this.mapping, this.asking);
     this.surface.mode = view.surface;
     this.backdrop.showFloor(view.grid);
     this.invalidate();
@@ -224,6 +229,16 @@ export class Viewer {
     if (on === (uniforms.normals !== null)) return;
     uniforms.normals = on ? room.matrix.clone() : null;
     if (shown) this.cloud?.update(shown);
+  }
+
+  /** Choose what points show; the edges of shapes are drawn the stronger where colours are flat. */
+  setMapping(mapping: Mapping, asking: boolean): void {
+    const [on, plain] = this.shading;
+    this.mapping = mapping;
+    this.asking = asking;
+    this.uniforms.setMapping(mapping);
+    this.eyeDome.shade(on, plain || mapping === 'classes');
+    this.invalidate();
   }
 
   /** Draw the edge of the points that a click would take. */
@@ -378,11 +393,12 @@ export class Viewer {
     this.chooseSurface(camera);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    const aside = (eyeDome.shades || this.outlined) && this.shown !== null;
-    this.uniforms.setOutlining(aside && this.outlined);
+    const outlined = this.outlined || this.asking;
+    const aside = (eyeDome.shades || outlined) && this.shown !== null;
+    this.uniforms.setOutlining(aside && outlined);
     if (aside) {
       eyeDome.setCamera(camera);
-      eyeDome.outline(this.outlined);
+      eyeDome.outline(outlined);
       renderer.setRenderTarget(eyeDome.target);
       renderer.clear();
       camera.layers.set(POINTS_LAYER);

@@ -1,7 +1,6 @@
 /** Page of the palette for label by example: what is predicted, its doubts, applying it. */
-import { coloursOf, type Question } from '../../../example/model';
+import { coloursOf, type Question, type Tally, talliesOf } from '../../../example/model';
 import {
-  type Answer,
   answerable,
   answerDoubt,
   applyPrediction,
@@ -11,11 +10,11 @@ import {
   closeExample,
   exampleOpen,
   makeClassifier,
-  nextDoubt,
+  natural,
   openExample,
   predicted,
   question,
-  shows,
+  skipDoubt,
 } from '../../../example/store';
 import { percent, plural } from '../../../common/format';
 import { canEdit, state } from '../../../store/state';
@@ -24,7 +23,7 @@ import { VIEWER } from './rows';
 
 /** Signals that the page shows. */
 export const EXAMPLE = [
-  exampleOpen, classifier, classifiers, predicted, question, shows, asking, canEdit,
+  exampleOpen, classifier, classifiers, predicted, question, natural, asking, canEdit,
   answerable,
 ] as const; // prettier-ignore
 
@@ -50,15 +49,15 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
     return;
   }
   ui.text(told(), x + em * 0.4, line(1) + em * 1.2, { color: INK.quiet });
-  const doubt = shows.peek() === 'doubt';
-  ui.check(x, line(2), inner, em * 2.2, 'Colour by doubt', doubt, (on) => {
-    shows.value = on ? 'doubt' : 'classes';
+  ui.check(x, line(2), inner, em * 2.2, 'Natural colours', natural.peek(), (on) => {
+    natural.value = on;
   });
   ui.button(x, line(3), inner - em * 0.2, em * 2.2,
-    { icon: 'target', text: 'Next doubt', strong: true, align: 'left' }, () => void nextDoubt()); // prettier-ignore
+    { icon: 'target', text: question.peek() ? 'Skip' : 'Next doubt', strong: true, align: 'left' },
+    () => void skipDoubt()); // prettier-ignore
   const place = question.peek();
   if (place) drawAnswers(ui, x, line(4), inner, place);
-  const ready = canEdit.peek() && predicted.peek()?.points !== 0;
+  const ready = canEdit.peek() && tally()?.points !== 0;
   ui.button(x, line(5), inner - em * 0.2, em * 2.2,
     { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !ready },
     applyHere); // prettier-ignore
@@ -77,9 +76,15 @@ function lacks(): string {
   return painted.length > 1 ? '' : 'Paint points of two labels first.';
 }
 
+/** Points that are predicted in the frame. */
+function tally(): Tally | undefined {
+  const said = predicted.peek();
+  return said ? talliesOf(said, classifier.peek()!.classes.length)[0] : undefined;
+}
+
 function told(): string {
   if (!canEdit.peek()) return VIEWER;
-  const { points = 0, unsure = 0 } = predicted.peek() ?? {};
+  const { points = 0, unsure = 0 } = tally() ?? {};
   if (asking.peek()) return 'Predicting…';
   if (points === 0) return 'No prediction in this frame yet';
   return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
@@ -90,12 +95,8 @@ function drawAnswers(ui: Ui, x: number, y: number, inner: number, place: Questio
   const { em } = ui;
   const colours = coloursOf(place.classes, state.palette.peek());
   const third = inner / 3;
-  const answers: Answer[] = [0, 1, 'none'];
-  answers.forEach((choice, k) => {
-    const look =
-      choice === 'none'
-        ? { text: 'Neither' }
-        : { text: place.classes[choice]!, swatch: colours[choice]! };
+  [...place.classes, null].forEach((choice, k) => {
+    const look = choice === null ? { text: 'Neither' } : { text: choice, swatch: colours[k]! };
     ui.button(x + k * third, y, third - em * 0.2, em * 2.2,
       { ...look, strong: true, align: 'left', disabled: !answerable.peek() },
       () => answerDoubt(choice)); // prettier-ignore
