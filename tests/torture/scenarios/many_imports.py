@@ -79,7 +79,7 @@ def _compare(api: httpx.Client, tally: Tally) -> None:
         api.delete(f"/sequences/{each['id']}").raise_for_status()
 
 
-@scenario("a Dask scheduler begins anew during imports of 20 recordings", 1)
+@scenario("a Dask scheduler restarts during imports of 20 recordings", 1)
 def dask_imports(arena: Arena) -> None:
     """Each import ends, a failed one says why, and does when it is sent again."""
     pytest.importorskip("distributed")
