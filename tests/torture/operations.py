@@ -23,6 +23,8 @@ from tests.waiting import eventually
 
 ROOT = f"/sequences/{SEQUENCE}"
 FAR = 120.0
+BUSY, PAUSE = 429, 0.1
+"""Status of an export while the one before holds its place, and seconds until the next try."""
 STROKES = ((1, (0.0, 0.0, 1.0)), (1, (0.4, 0.4, 1.3)), (2, (-0.4, -0.4, 1.3)))
 """Label and place of the strokes that each frame has: label 1 is in two pieces."""
 PLACE = {"centre": [0.0, 0.0, 1.0], "quaternion": [0.0, 0.0, 0.6, 0.8]}
@@ -277,7 +279,9 @@ def _export(api: httpx.Client) -> None:
 
 
 def _exported(api: httpx.Client) -> State:
-    answer = api.get(f"{ROOT}/export?format=npz").raise_for_status()
+    while (answer := api.get(f"{ROOT}/export?format=npz")).status_code == BUSY:
+        time.sleep(PAUSE)
+    answer.raise_for_status()
     with zipfile.ZipFile(io.BytesIO(answer.content)) as archive:
         return {
             name: hashlib.sha256(archive.read(name)).hexdigest()
