@@ -1,6 +1,6 @@
-"""A classifier that was taught by example: what it knows, and its file.
+"""A classifier taught by example: its examples, trees and file.
 
-The file is an ``.npz`` of plain arrays; whatever comes from outside is checked before it is used.
+The file is an ``.npz`` of plain arrays; every array is checked before use.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from pointbrush.npz import Arrays, checked, read_npz
 Floats = NDArray[np.float64]
 
 VERSION = 2
-"""Of the file, and of what the features mean."""
+"""Version of the file and of the meaning of features."""
 OLDER = (1,)
 """Versions of files with other features."""
 MOST_EARLIER = 6_000
@@ -83,13 +83,13 @@ class Ignored:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Classifier:
-    """Classes, what taught them, and the trees that know them.
+    """Classes, their examples, and the trees that predict them.
 
-    ``recordings`` teach it, ``examples`` are those by recording and frame; ``size`` of a cell,
-    metres, 0 before anything taught; ``score``, ``held_out``, ``above``: as of ``Reliability``.
-    ``start_from``: recordings of earlier work, whose labels it began with.  ``model``: name of
-    the one that answers in place of the trees, and ``state``, what it learnt, None before.
-    ``imported``: imported labels teach beside painted ones.
+    ``recordings`` with examples; ``examples`` by recording and frame; ``size`` of a cell, metres,
+    0 without examples; ``score``, ``held_out``, ``above``: as in ``Reliability``.
+    ``start_from``: recordings of earlier work with labels that it started from.  ``model``: name
+    of the model that predicts in place of the trees; ``state``: its learnt state, None before.
+    ``imported``: imported labels are examples beside painted ones.
     ``ignored``: places that it neither labels nor asks about, the last answer last.
     """
 

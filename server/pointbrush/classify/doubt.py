@@ -1,4 +1,4 @@
-"""Places of a frame whose answer would teach most."""
+"""Most informative places of a frame for an answer."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Frame → cells, and numbers about the surroundings of each that hold at any other place.
 
 Cells are counted once each, so that the density of points does not count; at every scale the
-moments of what lies round a cell are interpolated between cubes.
+moments of the surroundings of a cell are interpolated between cubes.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Descr
     near = neighbours(keys, slots)
     piece = np.zeros(0, np.int32)
     if frame.sensor != "room" and count:
-        # Scans of many views have none: there pieces are smaller than what neighbours vote on.
+        # Scans of many views have none: their pieces are smaller than the votes of neighbours.
         eye = None if frame.viewpoint is None else frame.viewpoint - low
         piece = _pieces(frame, low, eye, of_point, count)
     return Described(size, of_point, (center + low).astype(np.float32), near, features, piece)
@@ -222,7 +222,7 @@ def _interpolate(
     place: Floats, size: float, keys: NDArray[np.int64], slots: NDArray[np.int64],
     sums: Floats, total: Floats,
 ) -> None:  # fmt: skip
-    """Write the sums at a place, between those of the eight cubes round it, to ``total``."""
+    """Interpolate the sums of the eight cubes around a place into ``total``."""
     total[:] = 0.0
     x, y, z = place[0] / size - 0.5, place[1] / size - 0.5, place[2] / size - 0.5
     i, j, k = int(np.floor(x)), int(np.floor(y)), int(np.floor(z))
@@ -248,7 +248,7 @@ def _shape(total: Floats, place: Floats, cell: float, size: float, out: Floats) 
     yy, yz, zz = total[7] / n - my * my, total[8] / n - my * mz, total[9] / n - mz * mz
     low, middle, high = eigenvalues(xx, xy, xz, yy, yz, zz)
     low, middle, high = max(low, 0.0), max(middle, 0.0), max(high, 0.0)
-    # What lies within a cell tells nothing: it counts as spread of that size in every way.
+    # The spread within a cell is unknown: it counts as isotropic and of the size of the cell.
     least = (0.1 * cell) ** 2
     a, b, c = np.sqrt(high + least), np.sqrt(middle + least), np.sqrt(low + least)
     out[0] = np.log1p(n)

@@ -52,9 +52,9 @@ def learn(
 ) -> Trees:
     """Learn ``count`` classes from examples (n, F) and their classes (n,).
 
-    ``spread`` (F,) standard deviations of the features in whole frames.  Examples are learnt from
-    as somewhat different ones: what parts a few of them narrowly does not part others.
-    The same examples give the same trees.
+    ``spread`` (F,) standard deviations of the features in whole frames.  Noise is
+    added to the examples, so that no threshold fits a narrow gap between a few of them.  The same
+    examples give the same trees.
     """
     options.check()
     rng = np.random.default_rng(0)
@@ -80,7 +80,7 @@ def learn(
 
 
 def _threaded(work: Callable[[T], R], parts: Sequence[T]) -> list[R]:
-    """Call compiled ``work`` of each part in threads, so that nobody waits for one processor."""
+    """Call compiled ``work`` of each part in threads, so that all processors are used."""
     with ThreadPoolExecutor(min(os.cpu_count() or 1, MOST_THREADS)) as pool:
         return list(pool.map(work, parts))
 

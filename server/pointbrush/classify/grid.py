@@ -1,4 +1,4 @@
-"""Points in cubes: hashed numbers of cubes, and sums over what lies in them."""
+"""Points in cubes: hashed numbers of cubes, and sums over their points."""
 
 from __future__ import annotations
 

@@ -45,5 +45,5 @@ def heights_over_opened(center: Floats, size: float, options: FeatureOptions) ->
 
 
 def _filled(surface: Floats, sign: int) -> Floats:
-    """Replace what is not finite by an infinite value of a sign, which a filter leaves out."""
+    """Replace values that are not finite by an infinity of this sign, which a filter ignores."""
     return np.where(np.isfinite(surface), surface, sign * np.inf)

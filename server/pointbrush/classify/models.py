@@ -1,7 +1,7 @@
 """Models of one's own that score classes in place of the trees: plug-ins, and services over HTTP.
 
-A package adds one with an entry point of the group ``pointbrush.classifiers`` that names a class
-(or function) whose call without arguments gives a ``Model``.
+A package adds one with an entry point of the group ``pointbrush.classifiers``: a class or function
+that returns a ``Model`` when it is called without arguments.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ class Model(Protocol):
     classes: tuple[str, ...]
     """Names that it knows, which a new classifier has then; empty: any."""
     learns: bool
-    """Whether ``learn`` is called with what people painted."""
+    """Whether ``learn`` is called with painted cells."""
 
     def learn(self, features: Features, classes: NDArray[np.int64], names: Sequence[str]) -> bytes:
-        """Learn from painted cells (n, F) and their classes (n,), from 0; return what is learnt."""
+        """Learn from painted cells (n, F) and their classes (n,), from 0; return the state."""
 
     def scores(self, question: Question) -> NDArray[np.float32]:
         """Return scores (N, K) or (C, K) from 0; the share of each in its row counts."""
@@ -161,7 +161,7 @@ class Models:
 
 @lru_cache(maxsize=64)
 def _made(name: str, address: str | None) -> Model:
-    """Make a model once a process: its weights may be large, a service is asked what it is."""
+    """Make a model once a process: its weights may be large, a service is asked for its name."""
     if address is None:
         model: Model = next(iter(entry_points(group=GROUP, name=name))).load()()
     else:

@@ -74,7 +74,7 @@ class ForestOptions:
     copies: int = 8_000
     """Examples up to which each is learnt from several times."""
     shake: float = 0.2
-    """Standard deviation of what is added to a feature, of its own in a frame."""
+    """Standard deviation of the noise added to a feature, relative to its own in a frame."""
 
     def check(self) -> None:
         """Raise BadInputError for numbers out of range."""

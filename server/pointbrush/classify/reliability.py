@@ -135,7 +135,7 @@ def _held_out(
 
 
 def _above(margin: Floats, expected: Floats) -> float:
-    """Return the least confidence whose points are expected to be reliable."""
+    """Return the lowest confidence at which points are expected to be reliable."""
     order = np.argsort(-margin, kind="stable")
     mean = np.cumsum(expected[order]) / np.arange(1, len(order) + 1)
     enough = np.flatnonzero(mean >= RELIABLE)
