@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 import pointbrush
-from docs.words import complaints, counts
+from docs.words import comments, complaints, complaints_of_comments, counts
 
 ROOT = Path(pointbrush.__file__).parent
 PAGE = Path(__file__).parents[1] / "webxr_client" / "src"
@@ -75,6 +75,17 @@ def test_a_page_of_many_pronouns_is_named_and_many_pages_of_some_too() -> None:
     assert line.startswith("b.md: expected at most 8 free pronouns per 1,000 words, got 9.9 (6)")
     (line,) = complaints(dict.fromkeys("abc", plain + "those " * 3))
     assert line.startswith("all pages: expected at most 4 free pronouns")
+
+
+def test_comments_of_a_package_are_counted_and_its_code_is_not(tmp_path: Path) -> None:
+    module, component = tmp_path / "module.py", tmp_path / "component.ts"
+    module.write_text('who = "what"  # nobody\ndef f():\n    """Whoever."""\n')
+    component.write_text("/** Those. */\nconst what = 'https://who'; // nobody\n")
+    assert [counts(comments(path)) for path in (module, component)] == [(2, 2), (2, 2)]
+    plain = "The server keeps the newest frame. " * 100
+    assert complaints_of_comments({"server/pointbrush/a": plain}) == []
+    (line,) = complaints_of_comments({"server/pointbrush/a": plain + "who " * 3})
+    assert line.startswith("comments of server/pointbrush/a: expected at most 3 free pronouns")
 
 
 def test_no_text_of_the_page_has_a_free_pronoun() -> None:
