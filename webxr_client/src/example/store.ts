@@ -137,6 +137,9 @@ export async function openExample(): Promise<void> {
       found.find((one) => id in one.taught_by) ??
       found[0] ??
       null;
+    if (!canEdit.peek()) return;
+    const others = await api<{ recording: string }[]>('GET', `${sequencePath(id)}/starts`);
+    starts.value = others.map(({ recording }) => recording);
   });
 }
 
