@@ -84,7 +84,7 @@ def _some(numbers: Cells, most: int) -> Cells:
 
 
 def _rarity(chance: Chances, options: DoubtOptions) -> NDArray[np.float64]:
-    """Return how much (C,) a cell counts: the more, the rarer one of its two classes."""
+    """Return weights (C,) of the cells, larger for rarer classes among their two best."""
     order = np.argsort(-chance, axis=1, kind="stable")[:, :2]
     share = np.bincount(order[:, 0], minlength=chance.shape[1]) / len(chance)
     weight = np.maximum(share, RAREST) ** -options.rarity

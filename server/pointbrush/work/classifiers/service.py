@@ -399,7 +399,7 @@ class Classifiers:
         self, classifier: Classifier, recording: Recording, frame: int,
         near: Sequence[float] | None, most: int, between: Sequence[str],
     ) -> list[tuple[float, Callable[[], Place]]]:  # fmt: skip
-        """Return how much places of a frame would teach, and what makes them."""
+        """Return the worth of answers at places of a frame, each with a function that makes it."""
         view = self._view(classifier, recording, frame, near)
         open_ = view.open_
         if between:

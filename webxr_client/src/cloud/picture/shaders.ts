@@ -201,7 +201,7 @@ void main() {
   else if (mapping == 1 && id != 65344) {
     float height = clamp(dot(heightRow, vec4(position, 1.0)), 0.0, 1.0);
     float tone = 0.5 + 0.32 * lightness() + 0.26 * height;
-    // What people have labelled is lighter than what is predicted of the same class.
+    // Labelled points are lighter than predicted ones of the same class.
     vec3 own = id == 0 ? vec3(0.5) : predicted ? entry.rgb : mix(entry.rgb, vec3(1.0), 0.4);
     base = own * (unlabeled ? tone : tone + 0.15);
   }
