@@ -114,7 +114,7 @@ function Asked({ place }: { place: Question }) {
 type Reach = 'frame' | 'range' | 'all';
 
 const applyOpen = signal(false);
-/** Least confidence that was chosen; null: what the classifier supports. */
+/** Chosen lowest confidence; null: the default of the classifier. */
 const chosenLeast = signal<number | null>(null);
 const reach = signal<Reach>('frame');
 

@@ -15,7 +15,7 @@ function label(id: number, name: string, category: string, color = '#112233'): L
   return { id, name, category, color, visible: true, locked: false, instance: 0 } as Label;
 }
 
-describe('what a classifier says of a frame', () => {
+describe('prediction of a frame', () => {
   it('has the colour of its class, the greyer the less certain, and none where nothing was taught', () => {
     const ids = [...idsOf(SAID)];
     expect(ids).toEqual([0, PREDICTED + 3, PREDICTED + SURE_STEPS, PREDICTED + SURE_STEPS + 2]);

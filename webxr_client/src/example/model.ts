@@ -1,4 +1,4 @@
-/** Values of label by example: the server's answers by its names, and what the page makes of them. */
+/** Values of label by example: the server's answers, and values that the page derives from them. */
 import { MOST_CLASSES, PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
 import { mixed, UNKNOWN } from '../engine/colouring';
 import type { Label } from '../protocol/messages';
@@ -24,7 +24,7 @@ export interface HeldOut {
   readonly places: number;
 }
 
-/** A place whose answer would teach most. */
+/** An uncertain place for an answer. */
 export interface Question {
   readonly sequence: string;
   readonly frame: number;
@@ -74,7 +74,7 @@ export type Scope = 'frame' | 'recording' | 'workspace';
 /** Below this a point is in doubt, of 255. */
 export const UNSURE_BELOW = 64;
 
-/** Ids of the palette's texture for what is predicted of each point. */
+/** Ids of the palette's texture for the predicted class of each point. */
 export function idsOf({ kind, confidence }: Prediction): Uint16Array {
   const ids = new Uint16Array(kind.length);
   for (let i = 0; i < ids.length; i++) {
@@ -135,7 +135,7 @@ export function classOf(label: Label): string {
   return label.category || label.name;
 }
 
-/** The label that a class is predicted as, of those of a palette; undefined: there is none. */
+/** The label of a palette for a class; undefined: there is none. */
 export function labelOf(name: string, palette: readonly Label[]): Label | undefined {
   const alike = palette.filter((label) => classOf(label) === name);
   return alike.find((label) => label.name === name) ?? alike[0];

@@ -1,4 +1,4 @@
-/** Panel at the side: the classes of the classifier, how well it knows them, and what it confuses. */
+/** Panel at the side: the classes of the classifier, their accuracy, and confused pairs. */
 import { signal } from '@preact/signals';
 import { render } from 'preact';
 import { percent, plural } from '../common/format';
@@ -48,7 +48,7 @@ function ExamplePanel() {
 
 const choiceOpen = signal(false);
 
-/** Other classifiers, and what teaches this one. */
+/** Other classifiers, and the examples of this one. */
 function Choice() {
   const chosen = classifier.value!;
   const here = state.sequence.value!.id;

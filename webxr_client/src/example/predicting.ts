@@ -1,4 +1,4 @@
-/** Shows on the frame on screen what a classifier predicts of it, and the place that it asks about. */
+/** Shows the prediction of the frame on screen, and the place of the question. */
 import { ASKED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { lowerBound } from '../cloud/points/piece';
@@ -70,7 +70,7 @@ export class Predicting {
     else if (state.opening.peek() !== place?.sequence) leaveQuestion();
   }
 
-  /** Ask what is predicted of the frame on screen, once it rests. */
+  /** Fetch the prediction of the frame on screen once the frame stays. */
   private ask(): void {
     clearTimeout(this.timer);
     const frame = this.engine.frame();
@@ -135,7 +135,7 @@ export class Predicting {
     }
   }
 
-  /** Forget what was predicted: by another classifier, or until the bar was closed. */
+  /** Drop the prediction of another classifier, or of before the bar was closed. */
   private clear(): void {
     this.request?.abort();
     this.asked = [];
@@ -150,7 +150,7 @@ export class Predicting {
   }
 }
 
-/** Write `ASKED` for points by their runs; `numbers`: those that `ids` are of, null: all. */
+/** Write `ASKED` for points by their runs; `numbers`: the points of `ids`, null: all. */
 function mark(
   runs: readonly (readonly [number, number])[],
   numbers: Uint32Array | null,

@@ -18,7 +18,7 @@ import {
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
 export const classifiers = signal<readonly Classifier[] | null>(null);
-/** Recordings whose labels a new classifier can start from. */
+/** Recordings with labels from which a new classifier can start. */
 export const starts = signal<readonly string[]>([]);
 /** The one that is asked, or null. */
 export const classifier = signal<Classifier | null>(null);
@@ -26,21 +26,21 @@ export const classifier = signal<Classifier | null>(null);
 export const only = signal<string | null>(null);
 /** The points have the recording's own colours, while a key is held. */
 export const natural = signal(false);
-/** What is predicted of the frame on screen; null: nothing yet. */
+/** Prediction of the frame on screen; null: none yet. */
 export const predicted = signal<Prediction | null>(null);
 /** Changes of the places that the classifier ignores. */
 export const ignored = signal(0);
-/** Something is asked of the server. */
+/** A request to the server is open. */
 export const asking = signal(false);
 /** Frames in which doubts are looked for. */
 export const scope = signal<Scope>('recording');
 /** Tells the place of a large frame that one looks at, source coordinates; set by the picture. */
 export const looking = {
   at: (): readonly number[] | undefined => undefined,
-  /** Tells of each predicted point whether it has no label, 1, or one, 0. */
-  open: (_said: Prediction): Uint8Array | null => null,
+  /** Mask of the predicted points without a label; null until the picture is there. */
+  open: null as ((prediction: Prediction) => Uint8Array | null) | null,
 };
-/** The place in doubt that one was led to. */
+/** The uncertain place on which a question is open. */
 export const question = signal<Question | null>(null);
 
 /** Whether the place of the question is on screen and may be painted. */
@@ -105,14 +105,13 @@ export function takeBackAnswer(): boolean {
 export async function skipDoubt(): Promise<void> {
   const place = question.peek();
   if (place && canEdit.peek())
-    await attempt(
-      'The place was not skipped',
-      async () => void (await send(place, { class: null, skip: true })),
-    );
+    await attempt('The place was not skipped', async () => {
+      await send(place, { class: null, skip: true });
+    });
   await nextDoubt();
 }
 
-/** Open the bar, or close it; what was predicted goes with it. */
+/** Open or close the bar; closing removes the prediction. */
 export function toggleExample(): void {
   if (exampleOpen.peek()) closeExample();
   else void openExample();
@@ -149,7 +148,7 @@ export function chooseClassifier(id: string): void {
   leaveQuestion();
 }
 
-/** Make a classifier of what is painted in the open recording, and labelled in others. */
+/** Create a classifier from points painted in the open recording and labels of others. */
 export async function makeClassifier(others: readonly string[] = []): Promise<void> {
   const { id, name } = state.sequence.peek()!;
   const more = others.length > 0 ? { start_from: others } : {};
@@ -183,7 +182,7 @@ export async function deleteClassifier(): Promise<void> {
   });
 }
 
-/** Fetch the prediction of a frame, or of what is near a place of it, source coordinates. */
+/** Fetch the prediction of a frame, or of the points near a place, source coordinates. */
 export async function predict(
   frame: number,
   place: readonly number[] | undefined,
@@ -194,7 +193,7 @@ export async function predict(
   return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
 }
 
-/** Go to the place whose answer would teach most, of all or `between` two classes. */
+/** Go to the most informative place, of all or `between` two classes. */
 export async function nextDoubt(between: readonly string[] = []): Promise<void> {
   const chosen = classifier.peek();
   if (!exampleOpen.peek() || !chosen) return;

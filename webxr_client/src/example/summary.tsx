@@ -1,4 +1,4 @@
-/** What applying the prediction would change, by the frame on screen. */
+/** Summary of the changes that applying the prediction would make, by the frame on screen. */
 import { useMemo } from 'preact/hooks';
 import { count, percent, plural } from '../common/format';
 import { Swatch } from '../panels/parts/controls';
@@ -11,7 +11,7 @@ export function Summary({ least, whole }: { least: number; whole: boolean }) {
   const said = predicted.value;
   const { classes } = classifier.value!;
   const counts = state.counts.value;
-  const open = useMemo(() => said && looking.open(said), [said, counts]);
+  const open = useMemo(() => said && looking.open?.(said), [said, counts]);
   if (!said || !open) return <p class="soft">There is no prediction of this frame yet.</p>;
   const tallies = talliesOf(
     said,
