@@ -18,6 +18,8 @@ export class EyeDome {
   /** Fills the screen in the ordinary scene, with the points' depth. */
   readonly quad: Mesh<BufferGeometry, RawShaderMaterial>;
   private readonly shading = { value: EDGE_SHADING };
+  private view = { on: true, plain: false };
+  private flat = false;
 
   constructor() {
     this.target = new WebGLRenderTarget(1, 1, {
@@ -56,7 +58,19 @@ export class EyeDome {
 
   /** Shade by depth or not; `plain`: the points' colours do not show shapes. */
   shade(on: boolean, plain: boolean): void {
-    this.shading.value = !on ? NO_SHADING : plain ? SHAPE_SHADING : EDGE_SHADING;
+    this.view = { on, plain };
+    this.choose();
+  }
+
+  /** Shade as for plain colours, or by the view alone. */
+  setFlat(flat: boolean): void {
+    this.flat = flat;
+    this.choose();
+  }
+
+  private choose(): void {
+    const { on, plain } = this.view;
+    this.shading.value = !on ? NO_SHADING : plain || this.flat ? SHAPE_SHADING : EDGE_SHADING;
   }
 
   get shades(): boolean {

@@ -5,6 +5,7 @@ import type { ColorMode, ViewSettings } from '../../store/state';
 import { MAX_CHUNKS } from '../../net/chunk/segment';
 import { writeDensity, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
+import { spreadOf, type Range } from '../points/spread';
 import { DOT_VERTEX, PLAIN_FRAGMENT, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
 /** Numbers of the modes in the shader; the modes of one number colour labels only. */
@@ -109,15 +110,24 @@ export class PointUniforms {
     value[PIXEL_LIMITS + 1] = this.widest * scale * this.pointSize;
   }
 
+  /** Fit the ramps to the values of a frame in the room; false without points. */
+  fit(frame: CloudFrame, room: Matrix4): boolean {
+    const spread = spreadOf(frame, room);
+    if (!spread) return false;
+    this.setHeight(room, spread.height);
+    this.setIntensity(spread.intensity);
+    return true;
+  }
+
   /** The intensity ramp runs over these values, 0..1. */
-  setIntensity(low: number, high: number): void {
+  private setIntensity([low, high]: Range): void {
     const span = Math.max(1 / 255, high - low);
     this.settings.value[INTENSITY_FIT] = 1 / span;
     this.settings.value[INTENSITY_FIT + 1] = -low / span;
   }
 
   /** The height ramp runs over these heights, metres of the room. */
-  setHeight(room: Matrix4, low: number, high: number): void {
+  private setHeight(room: Matrix4, [low, high]: Range): void {
     const e = room.elements;
     const span = Math.max(1e-3, high - low);
     this.settings.value.set([e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span], HEIGHT_ROW); // prettier-ignore

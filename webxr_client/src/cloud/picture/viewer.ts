@@ -18,7 +18,6 @@ import { PaletteTexture } from './palette';
 import { PlacedFrames } from './placed-frames';
 import { Slots } from './slots';
 import { SurfaceChoice } from './surface-choice';
-import { spreadOf, type Spread } from '../points/spread';
 import { Timing } from './timing';
 import { noPoints } from './warm-up';
 
@@ -57,8 +56,8 @@ export class Viewer {
   private over: PlacedFrames | null = null;
   private info: SequenceInfo | null = null;
   private shown: CloudFrame | null = null;
-  /** Range of the ramps, once there are points. */
-  private fitted: Spread | null = null;
+  /** The ramps fit the recording; they do once it has points. */
+  private fitted = false;
   private order: Parameters<LargeCloud['setOrder']> = [[], []];
   /** The headset's pictures have reversed depth. */
   readonly reversible: boolean;
@@ -67,10 +66,7 @@ export class Viewer {
   /** The recording's diagonal, metres. */
   private extent = 0;
   private outlined = false;
-  private mapping: Mapping = 'view';
-  /** The points of a question have an edge. */
   private asking = false;
-  private shading = [true, false] as [on: boolean, plain: boolean];
   private dirty = true;
   private limit = ALL_POINTS;
   private measuring = false;
@@ -158,22 +154,13 @@ export class Viewer {
     const [low, high] = this.bounds(info);
     const farthest = [0, 1, 2].map((k) => Math.max(Math.abs(info.lo[k]!), Math.abs(info.hi[k]!)));
     this.uniforms.setDistance(Math.hypot(...farthest));
-    this.fitted = null;
+    this.fitted = false;
     if (this.uniforms.normals) this.uniforms.normals = this.room.matrix.clone();
     if (this.shown) this.show(this.shown);
     this.backdrop.fit(Math.max(high.x - low.x, high.z - low.z));
     this.extent = low.distanceTo(high);
     this.middle.copy(low).add(high).multiplyScalar(0.5);
     this.invalidate();
-  }
-
-  /** Fit the ramps to the values of the recording's first frame on screen, without outliers. */
-  private fitRamps(frame: CloudFrame): void {
-    const spread = spreadOf(frame, this.room.matrix);
-    if (!spread) return;
-    this.fitted = spread;
-    this.uniforms.setHeight(this.room.matrix, ...spread.height);
-    this.uniforms.setIntensity(...spread.intensity);
   }
 
   /** Corners of the recording's bounds in the room. */
@@ -216,8 +203,7 @@ export class Viewer {
   setView(view: ViewSettings, fields: readonly string[]): void {
     this.uniforms.set(view, fields);
     this.showNormals(view.color === 'normal');
-    this.shading = [view.eyeDome, isPlain(view.color)];
-    this.setMapping(this.mapping, this.asking);
+    this.eyeDome.shade(view.eyeDome, isPlain(view.color));
     this.surface.mode = view.surface;
     this.backdrop.showFloor(view.grid);
     this.invalidate();
@@ -231,13 +217,11 @@ export class Viewer {
     if (shown) this.cloud?.update(shown);
   }
 
-  /** Choose what points show; the edges of shapes are drawn the stronger where colours are flat. */
+  /** Choose the colours of points; `asking`: points of a question have an edge. */
   setMapping(mapping: Mapping, asking: boolean): void {
-    const [on, plain] = this.shading;
-    this.mapping = mapping;
     this.asking = asking;
     this.uniforms.setMapping(mapping);
-    this.eyeDome.shade(on, plain || mapping === 'classes');
+    this.eyeDome.setFlat(mapping === 'classes');
     this.invalidate();
   }
 
@@ -256,7 +240,7 @@ export class Viewer {
   /** Show a frame as it is now. */
   show(frame: CloudFrame): void {
     this.shown = frame;
-    if (!this.fitted) this.fitRamps(frame);
+    this.fitted ||= this.uniforms.fit(frame, this.room.matrix);
     this.uniforms.setPoints(frame.total);
     this.cloud?.update(frame);
     this.invalidate();

@@ -8,11 +8,13 @@ const SAMPLES = 4000;
 /** Parts of the points below and above which values are strays. */
 const [LOW, HIGH] = [0.02, 0.98];
 
+export type Range = readonly [low: number, high: number];
+
 export interface Spread {
   /** Metres above the room's floor. */
-  readonly height: readonly [low: number, high: number];
+  readonly height: Range;
   /** 0..1. */
-  readonly intensity: readonly [low: number, high: number];
+  readonly intensity: Range;
 }
 
 /** The spread of a frame's coarsest points, which are an even part of it; null without any. */
@@ -25,7 +27,7 @@ export function spreadOf(frame: CloudFrame, room: Matrix4): Spread | null {
   return { height: between(heights), intensity: between(intensities) };
 }
 
-function between(values: Float32Array): readonly [number, number] {
+function between(values: Float32Array): Range {
   values.sort();
   const at = (part: number): number => values[Math.round(part * (values.length - 1))]!;
   return [at(LOW), at(HIGH)];
