@@ -106,6 +106,7 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     desk.until("pb.state.undo.value !== null")
     assert (server.annotation(SEQUENCE, 0) > 0).sum() == before + points
     page.get_by_role("button", name="Turn into labels…").click()
+    page.get_by_role("slider", name="Minimum confidence").fill("0")
     expect(page.get_by_role("group", name="Changes")).to_contain_text("room")
     page.get_by_role("button", name="Label the points").click()
     desk.until("pb.labels(0)[0] === undefined || pb.labels(0)[0] === 0")
