@@ -140,7 +140,7 @@ function Confusions({ said }: { said: Prediction }) {
       <ul aria-label="Confusions">
         {pairs.map(({ names, share }) => (
           <li key={names.join()}>
-            <button type="button" class="button example-pair" data-tip="Go to an example" onClick={() => void nextDoubt(names)}>
+            <button type="button" class="button spread example-pair" data-tip="Go to an example" onClick={() => void nextDoubt(names)}>
               <span class="name">{names.join(' ↔ ')}</span>
               <span class="number">{(share * 100).toFixed(share < 0.01 ? 1 : 0)} %</span>
             </button>
