@@ -89,9 +89,9 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     points = desk.until(asked)
     expect(question).to_contain_text(f"({points} point")
     page.keyboard.down("`")
-    desk.until("pb.engine.viewer.mapping === 'natural'")
+    desk.until("pb.engine.viewer.uniforms.mapping === 'natural'")
     page.keyboard.up("`")
-    desk.until("pb.engine.viewer.mapping === 'classes'")
+    desk.until("pb.engine.viewer.uniforms.mapping === 'classes'")
     before = sum(desk.labels().get(label, 0) for label in (1, 2))
     with page.expect_response("**/doubt/answers") as ignored:
         desk.press("0")

@@ -31,8 +31,8 @@ export function colorModeOf(wanted: ColorMode, fields: readonly string[]): Color
 }
 
 /** Colours of the view; classes shaded by height and intensity; or the recording's colours alone. */
-export type Mapping = 'view' | 'classes' | 'natural';
-const MAPPINGS = { view: 0, classes: 1, natural: 2 } as const;
+const MAPPINGS = ['view', 'classes', 'natural'] as const;
+export type Mapping = (typeof MAPPINGS)[number];
 
 /** Whether points without labels have next to no colours, so that depth alone shows shapes. */
 export function isPlain(mode: ColorMode): boolean {
@@ -175,8 +175,12 @@ export class PointUniforms {
     value[BRUSH_COLOUR + 2] = b;
   }
 
-  setMapping(mapping: Mapping): void {
-    this.settings.value[MAPPING] = MAPPINGS[mapping];
+  get mapping(): Mapping {
+    return MAPPINGS[this.settings.value[MAPPING]!]!;
+  }
+
+  set mapping(mapping: Mapping) {
+    this.settings.value[MAPPING] = MAPPINGS.indexOf(mapping);
   }
 
   /** Points that have a label are not lit. */

@@ -220,7 +220,7 @@ export class Viewer {
   /** Choose the colours of points; `asking`: points of a question have an edge. */
   setMapping(mapping: Mapping, asking: boolean): void {
     this.asking = asking;
-    this.uniforms.setMapping(mapping);
+    this.uniforms.mapping = mapping;
     this.eyeDome.setFlat(mapping === 'classes');
     this.invalidate();
   }
