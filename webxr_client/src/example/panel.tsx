@@ -140,8 +140,8 @@ function Confusions({ said }: { said: Prediction }) {
       <ul aria-label="Confusions">
         {pairs.map(({ names, share }) => (
           <li key={names.join()}>
-            <button type="button" class="button spread example-pair" data-tip="Go to an example" onClick={() => void nextDoubt(names)}>
-              <span class="name">{names.join(' ↔ ')}</span>
+            <button type="button" class="menu-item" data-tip="Go to an example" onClick={() => void nextDoubt(names)}>
+              <span class="name grow">{names.join(' ↔ ')}</span>
               <span class="number">{(share * 100).toFixed(share < 0.01 ? 1 : 0)} %</span>
             </button>
           </li>
