@@ -294,13 +294,13 @@ def test_what_stands_still_agrees_with_the_taught_frame(workspace: Workspace) ->
     none = np.empty(0, np.int32)
     features = np.empty((3, 0), np.float32)
     near = np.empty((3, 26), np.int32)
-    place = Described(0.1, none, centre, near, features)
+    place = Described(0.1, none, centre, near, features, none)
     half = np.full((3, 2), 0.5, np.float32)
-    taught = Described(0.1, none, centre + np.float32([0.5, 0, 0]), near, features)
+    taught = Described(0.1, none, centre + np.float32([0.5, 0, 0]), near, features, none)
     said = np.array([[0.9, 0.1], [0.1, 0.9], [0.9, 0.1]], np.float32)
     out = agreed(seen, 1, place, half, 0, lambda _: (taught, said))  # type: ignore[arg-type]
     assert np.allclose(out[:, 0], [0.7, 0.3, 0.7])
-    far = Described(0.1, none, centre + np.float32([1.0, 0, 0]), near, features)
+    far = Described(0.1, none, centre + np.float32([1.0, 0, 0]), near, features, none)
     out = agreed(seen, 1, place, half, 0, lambda _: (far, said))  # type: ignore[arg-type]
     assert np.allclose(out[[0, 2]], half[[0, 2]])
     taught_by = {("room", 0): None, ("room", 1): None}

@@ -23,7 +23,8 @@ from pointbrush.web.schemas_work import JobOut
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
-    from pointbrush.work.classifiers.service import Place, Prediction
+    from pointbrush.work.classifiers.asking import Place
+    from pointbrush.work.classifiers.predicting import Prediction
 
 router = resource("classifiers")
 BINARY = {"schema": {"type": "string", "format": "binary"}}

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import threading
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.classify.asked import asked_points
 from pointbrush.classify.classifier import (
     Classifier,
     Ignored,
@@ -22,34 +19,30 @@ from pointbrush.classify.classifier import (
     from_file,
     to_file,
 )
-from pointbrush.classify.doubt import Doubt, confusions, doubts
-from pointbrush.classify.features import Described
-from pointbrush.classify.models import BUILT_IN, Model, Models
+from pointbrush.classify.models import BUILT_IN, Models
 from pointbrush.classify.options import MOST_IGNORED
 from pointbrush.classify.reliability import HeldOut
-from pointbrush.classify.smoothing import Chances, answered
+from pointbrush.classify.smoothing import Chances
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.types import PAINTED
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.classifiers.agreeing import agreed, voter_of
+from pointbrush.work.classifiers.asking import Place, Questions
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
-from pointbrush.work.classifiers.frames import example_frame, level_rotation
-from pointbrush.work.classifiers.ignoring import ignored_cells
-from pointbrush.work.classifiers.naming import classes_of, label_of
+from pointbrush.work.classifiers.frames import spread_frames
+from pointbrush.work.classifiers.naming import classes_of
 from pointbrush.work.classifiers.options import ClassifierOptions
-from pointbrush.work.classifiers.teaching import Teacher, cell_classes
+from pointbrush.work.classifiers.predicting import Prediction, Predictor
+from pointbrush.work.classifiers.teaching import Teacher
 
 Numbers = NDArray[np.int64]
 SCORED_FRAMES = 3
 """Frames in which the accuracy is expected, evenly chosen."""
 FEWEST_CLASSES = 2
 """Classes of a recording from which others can start."""
-MOST_OFFERED = 256
-"""Uncertain pieces that are kept until their answer, at most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,62 +71,6 @@ class Start:
     classes: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Prediction:
-    """Classes of points of a frame by a classifier, in stored order.
-
-    ``numbers`` (n,) of the points, or None: all; ``label`` (n,) uint16, 0 if the palette has no
-    label of the class; ``kind`` (n,) uint8 class from 1, 0 if the classifier is untrained;
-    ``confidence`` (n,) uint8.
-    """
-
-    numbers: Numbers | None
-    label: NDArray[np.uint16]
-    kind: NDArray[np.uint8]
-    confidence: NDArray[np.uint8]
-    classes: tuple[str, ...]
-    labels: tuple[int, ...]
-    """Label ids of the classes, 0 for none."""
-    confused: NDArray[np.int64]
-    """Points (K, K) in doubt between two classes, the first one lower."""
-    doubts: NDArray[np.int64]
-    """Places in doubt (K,) of each class."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """An uncertain place for a person to label.
-
-    ``centre`` (3,) source metres, ``radius`` of a stroke, ``points`` of the piece and their
-    ``runs`` in stored order, first and length; the two most probable ``classes``, and the
-    ``doubt``, 0 to 1.
-    """
-
-    sequence: str
-    frame: int
-    centre: tuple[float, float, float]
-    radius: float
-    points: int
-    runs: tuple[tuple[int, int], ...]
-    classes: tuple[str, str]
-    doubt: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _View:
-    """A described frame, or its points ``members``, and what a classifier says of its cells.
-
-    ``open_`` (C,): cells without an answer.
-    """
-
-    recording: Recording
-    frame: int
-    place: Described
-    members: Numbers
-    chance: Chances
-    open_: NDArray[np.bool_]
-
-
 class Classifiers:
     """The classifiers in ``folder``; thread-safe."""
 
@@ -157,9 +94,8 @@ class Classifiers:
         self._files = ClassifierFiles(folder)
         self._frames = DescribedFrames(self.options)
         self._teacher = Teacher(store, self._frames, self.options)
-        self._voting: tuple[tuple[Classifier, str, int], Described, Chances] | None = None
-        self._offered: OrderedDict[tuple[object, ...], Numbers] = OrderedDict()
-        """Stored numbers of the pieces that were asked about, by import, frame and centre."""
+        self._predictor = Predictor(store, self._frames, self.models, self.options)
+        self._questions = Questions(store, self._frames, self._predictor, self.options)
         self._known: dict[str, tuple[ClassNames, Classifier]] = {}
         """Classifiers by id, each with the class names at the time it was read."""
         self._locks: dict[str, threading.RLock] = {}
@@ -234,10 +170,10 @@ class Classifiers:
             and recordings[name][frame].count <= self.options.whole_points
         ]  # fmt: skip
         found = [np.zeros((0, len(classifier.classes)), np.float32)]
-        for k in _spread(len(frames), SCORED_FRAMES):
+        for k in spread_frames(len(frames), SCORED_FRAMES):
             recording, frame = frames[k]
             place = self._frames.whole(recording, frame, classifier.size)
-            chance = self._chances(classifier, recording, frame, place, None)
+            chance = self._predictor.chances(classifier, recording, frame, place, None)
             found.append(chance[place.of_point])
         return np.concatenate(found)
 
@@ -304,65 +240,7 @@ class Classifiers:
         """
         recording = self._recording(sequence)
         _ = recording[frame]
-        classifier = self.current(identifier)
-        numbers: Numbers | None = None
-        size = self._size(classifier, recording, frame)
-        if place is None:
-            described = self._frames.whole(recording, frame, size)
-        else:
-            at = np.asarray(place, np.float64) - np.asarray(recording.manifest.shift)
-            described, found = self._frames.round(recording, frame, size, at)
-            numbers = found if len(found) < recording[frame].count else None
-        chances = self._chances(classifier, recording, frame, described, numbers)
-        ids = self._label_ids(sequence, classifier)
-        if labels is not None:
-            chances = _only(chances, np.isin(ids[1:], list(labels)))
-        kind, sure = answered(chances, described.of_point)
-        if not classifier.ready:
-            kind, sure = np.zeros_like(kind), np.zeros_like(sure)
-        ignored = ignored_cells(classifier, recording, frame, described, numbers)
-        confused, left = confusions(described, chances, ~ignored, self.options.doubt)
-        ignored = ignored[described.of_point]
-        kind[ignored], sure[ignored] = 0, 0
-        named = tuple(ids[1:].tolist())
-        return Prediction(numbers, ids[kind], kind, sure, classifier.classes, named, confused, left)
-
-    def _chances(
-        self, classifier: Classifier, recording: Recording, frame: int, place: Described,
-        members: Numbers | None,
-    ) -> Chances:  # fmt: skip
-        """Return a classifier's chances for a frame, or for its points ``members``."""
-        points = partial(example_frame, recording, frame, members)
-        chance = classifier.chances(place, points, self._own(classifier))
-        voter = voter_of(classifier, recording, frame, self.options.whole_points)
-        if voter is None:
-            return chance
-        say = partial(self._said_of, classifier, recording)
-        return agreed(recording, frame, place, chance, voter, say)
-
-    def _said_of(
-        self, classifier: Classifier, recording: Recording, frame: int
-    ) -> tuple[Described, Chances]:
-        """Return the prediction for a frame that others are compared with; cached."""
-        asked = (classifier, recording.identity, frame)
-        known = self._voting
-        if known is None or known[0] != asked:
-            place = self._frames.whole(recording, frame, classifier.size)
-            chance = classifier.chances(place, partial(example_frame, recording, frame))
-            known = self._voting = asked, place, chance
-        return known[1], known[2]
-
-    def _own(self, classifier: Classifier) -> Model | None:
-        return self.models.make(classifier.model) if classifier.model else None
-
-    def _size(self, classifier: Classifier, recording: Recording, frame: int) -> float:
-        return classifier.size or self._frames.scale(recording, frame)
-
-    def _label_ids(self, sequence: str, classifier: Classifier) -> NDArray[np.uint16]:
-        """Return the label ids (K + 1,) of classes from 1; 0: no label."""
-        palette = self._store.palette(sequence)
-        found = [label_of(name, palette) for name in classifier.classes]
-        return np.array([0, *(0 if each is None else each.id for each in found)], np.uint16)
+        return self._predictor.predict(self.current(identifier), recording, frame, labels, place)
 
     # ── doubt ────────────────────────────────────────────────────────────────────────────
 
@@ -376,7 +254,7 @@ class Classifiers:
         the workspace.  ``near`` (3,), source metres: centre of the search in a large frame of the
         recording.  ``between``: only places in doubt between these classes.
         """
-        classifier = self.current(identifier)
+        classifier, questions = self.current(identifier), self._questions
         names = [sequence]
         if workspace:
             others = [each for each in self._recordings() if each != sequence]
@@ -385,90 +263,15 @@ class Classifiers:
         for name in names:
             recording = self._recording(name)
             count = len(recording)
-            frames = [frame] if frame is not None and name == sequence else _spread(
+            frames = [frame] if frame is not None and name == sequence else spread_frames(
                 count, self.options.looked_frames if not workspace else 2
             )  # fmt: skip
             for each in frames:
                 if recording[each].count:
                     at = near if name == sequence else None
-                    found += self._doubts(classifier, recording, each, at, most, between)
+                    found += questions.of_frame(classifier, recording, each, at, most, between)
         found.sort(key=lambda each: -each[0])
         return [make() for _, make in found[:most]]
-
-    def _doubts(
-        self, classifier: Classifier, recording: Recording, frame: int,
-        near: Sequence[float] | None, most: int, between: Sequence[str],
-    ) -> list[tuple[float, Callable[[], Place]]]:  # fmt: skip
-        """Return the worth of answers at places of a frame, each with a function that makes it."""
-        view = self._view(classifier, recording, frame, near)
-        open_ = view.open_
-        if between:
-            wanted = np.isin(classifier.classes, list(between))
-            open_ = open_ & wanted[np.argsort(-view.chance, axis=1)[:, :2]].all(axis=1)
-        taught = classifier.taught(self.options.forest.most)[0]
-        options = self.options.doubt
-        found = doubts(view.place, view.chance, open_, taught, classifier.spread, options, most)
-        return [(each.worth, partial(self._place, classifier, view, each)) for each in found]
-
-    def _view(
-        self, classifier: Classifier, recording: Recording, frame: int,
-        near: Sequence[float] | None,
-    ) -> _View:  # fmt: skip
-        """Ask a classifier about a frame, or about what is ``near`` (3,) source metres."""
-        stored = recording[frame]
-        size = self._size(classifier, recording, frame)
-        middle = np.asarray(stored.coordinates[np.arange(1)], np.float64)[0]
-        if near is not None:
-            middle = np.asarray(near, np.float64) - np.asarray(recording.manifest.shift)
-        place, members = self._frames.round(recording, frame, size, middle)
-        values = self._store.values(recording.manifest.id, frame)
-        painted = ((values.provenance == PAINTED) | values.deleted)[members]
-        done = cell_classes(place, painted.astype(np.uint8)) > 0
-        done |= ignored_cells(classifier, recording, frame, place, members, skipped=True)
-        chance = self._chances(classifier, recording, frame, place, members)
-        return _View(recording, frame, place, members, chance, ~done)
-
-    def _piece(self, view: _View, cell: int) -> Numbers:
-        """Return stored numbers (n,), ascending, of the piece round a cell."""
-        best = view.chance.argmax(axis=1)
-        open_ = view.open_ & (best == best[cell])
-        open_[cell] = True
-        points = view.recording, view.frame, view.members
-        return np.sort(view.members[
-            asked_points(
-                view.place, cell, open_,
-                lambda some: example_frame(*points[:2], points[2][some]),
-                self.options.doubt,
-            )
-        ])  # fmt: skip
-
-    def _place(self, classifier: Classifier, view: _View, doubt: Doubt) -> Place:
-        recording, manifest = view.recording, view.recording.manifest
-        piece = self._piece(view, doubt.cell)
-        middle = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
-        away = np.linalg.norm(recording[view.frame].coordinates[piece] - middle, axis=1)
-        x, y, z = (middle + np.asarray(manifest.shift)).tolist()
-        with self._lock:
-            self._offered[recording.identity, view.frame, x, y, z] = piece
-            while len(self._offered) > MOST_OFFERED:
-                self._offered.popitem(last=False)
-        first, second = (classifier.classes[each] for each in doubt.classes)
-        return Place(
-            manifest.id, view.frame, (x, y, z), max(float(np.median(away)), view.place.size / 2),
-            len(piece), tuple(map(tuple, runs_of(piece).tolist())), (first, second), doubt.doubt,
-        )  # fmt: skip
-
-    def _asked(
-        self, identifier: str, recording: Recording, frame: int, centre: Sequence[float]
-    ) -> Numbers:
-        """Return the piece that a place is of: the one that was offered, else made again."""
-        known = self._offered.get((recording.identity, frame, *centre))
-        if known is not None:
-            return known
-        view = self._view(self.current(identifier), recording, frame, centre)
-        level, shift = level_rotation(recording.manifest), np.asarray(recording.manifest.shift)
-        away = view.place.center - level @ (np.asarray(centre) - shift)
-        return self._piece(view, int(np.linalg.norm(away, axis=1).argmin()))
 
     def answer(
         self, identifier: str, sequence: str, frame: int, centre: Sequence[float], label: int, *,
@@ -482,7 +285,7 @@ class Classifiers:
         recording = self._recording(sequence)
         _ = recording[frame]
         self._store.require_paintable(sequence, label, frozenset())
-        piece = self._asked(identifier, recording, frame, centre)
+        piece = self._questions.piece_of(self.current(identifier), recording, frame, centre)
         write = Write(
             piece, label=label, provenance=PAINTED, only="predictable", living=True,
             hidden=frozenset(),
@@ -505,7 +308,7 @@ class Classifiers:
         recording = self._recording(sequence)
         _ = recording[frame]
         x, y, z = (np.asarray(centre) - np.asarray(recording.manifest.shift)).tolist()
-        piece = self._asked(identifier, recording, frame, centre)
+        piece = self._questions.piece_of(self.current(identifier), recording, frame, centre)
         runs = tuple((start, length) for start, length in runs_of(piece).tolist())
         place = Ignored(recording.identity, frame, (x, y, z), radius, runs, skipped)
         self._set_ignored(identifier, lambda known: (*known, place))
@@ -583,7 +386,7 @@ class Classifiers:
             fresh = replace(fresh, recordings=names)
             self._known[identifier] = classes, fresh
         if fresh is not known or (not fresh.ready and (fresh.examples or fresh.model)):
-            fresh = fresh.learnt(self.options.forest, self._own(fresh))
+            fresh = fresh.learnt(self.options.forest, self._predictor.model(fresh))
             self._known[identifier] = classes, fresh
         return classes, fresh
 
@@ -600,16 +403,3 @@ def _about(identifier: str, classifier: Classifier) -> About:
 
 def _held_out(classifier: Classifier) -> tuple[HeldOut, ...]:
     return classifier.held_out or (HeldOut(None, 0),) * len(classifier.classes)
-
-
-def _only(chances: Chances, wanted: NDArray[np.bool_]) -> Chances:
-    """Return the renormalized chances (C, K) of the classes ``wanted`` (K,)."""
-    if not wanted.any():
-        raise BadInputError("labels: expected at least one of a class of the classifier")
-    kept = chances * wanted
-    return np.asarray(kept / np.maximum(kept.sum(axis=1, keepdims=True), 1e-9), np.float32)
-
-
-def _spread(count: int, most: int) -> list[int]:
-    """Return at most ``most`` frames of ``count``, evenly spaced."""
-    return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))
