@@ -62,11 +62,15 @@ def test_who_stands_all_the_time_is_found_again_when_somebody_has_passed(colour:
     assert min(overlaps(frames, 2)[-3:]) > 0.85
 
 
-def test_who_leaves_the_picture_comes_back_without_colour() -> None:
+def test_a_newcomer_is_not_taken_for_a_person_who_left_without_colour_or_stature() -> None:
     away = recording(11, {1: (-0.6, 2.4, -0.35), 2: (0.9, 3.0, 0.0)}, colour=False)
     back = recording(5, {1: (-1.9, 2.5, 0.3), 2: (0.9, 3.0, 0.0)}, colour=False)
     assert min((f.truth == 1).sum() for f in away) == 0
-    assert overlaps([*away, *back], 1)[-1] > 0.7
+    frames = [*away, *back]
+    assert overlaps(frames, 1)[-1] == 0
+    assert min(overlaps(frames, 2)) > 0.85
+    *_, last = follow(frames)
+    assert last.tracks[1].state in ("occluded", "lost")
 
 
 def test_somebody_painted_by_an_arm_at_the_edge_of_the_picture_is_more_than_that() -> None:

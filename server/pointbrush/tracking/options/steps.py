@@ -213,6 +213,7 @@ class GrowthOptions(Options):
     side_units: float = 4.0  # units from known surface within which it begins
     side_radii: float = 0.5  # radii beyond known surface within which it ends
     side_cost: float = 0.4  # cost of a fit over which none is looked for
+    side_turn_deg: float = 7.0  # turn within the remembered poses from which one comes into view
     flat_units: float = 0.6  # units of its deviation from a plane
     hand_m: float = 0.02  # metres of deviation across that a flat part of a hand has at most
     new_share: float = 0.5  # share of the known points that new surface has at most

@@ -9,7 +9,6 @@ import numpy as np
 
 from pointbrush.tracking.compute.graph import pieces
 from pointbrush.tracking.compute.grid import bounds, close_to, within
-from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration, no_points
 from pointbrush.tracking.model.surface import carved
@@ -139,6 +138,8 @@ def _new_sides(track: Track, view: View, fit: Registration, core: I64, rest: I64
     lo, hi = bounds(xyz)
     margin = reach + options.side_radii * track.model.radius
     rest = rest[within(view.xyz[rest], lo - margin, hi + margin)]
+    if not len(rest):
+        return rest
     at = view.xyz[rest].astype(np.float64)
     inside = within(at, lo - margin + reach, hi + margin - reach)
     beside = close_to(at, xyz, reach)
@@ -152,9 +153,13 @@ def _new_sides(track: Track, view: View, fit: Registration, core: I64, rest: I64
 
 
 def _turned(track: Track, fit: Registration) -> bool:
-    """Test whether an object has moved, or turned, within the frames that are remembered."""
-    away = transform(fit.pose, track.ends) - transform(track.motion.poses[0], track.ends)
-    return bool(np.abs(away).max() > track.options.register.rest_units * track.unit)
+    """Test whether an object has turned enough, within the remembered poses, to show new sides.
+
+    Background that an object uncovers is flat and beside it, too.
+    """
+    turn = fit.pose[:3, :3] @ track.motion.poses[0][:3, :3].T
+    cosine = np.clip((np.trace(turn) - 1) / 2, -1, 1)
+    return bool(np.degrees(np.arccos(cosine)) > track.options.growth.side_turn_deg)
 
 
 def _flat_and_broad(track: Track, xyz: F64) -> bool:
