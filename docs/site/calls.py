@@ -320,6 +320,9 @@ print(len(earlier), "labelled recordings to start from")
 for place in client["room"].by_example.doubt(kinds.id, frame=0, most=3):
     print(place.centre, place.classes)
 
+# ByExample.answer
+print(client["room"].by_example.answer(kinds.id, place, walls.id), "points labelled")
+
 # ByExample.ignore
 client["room"].by_example.ignore(kinds.id, place)  # none of the classes
 
