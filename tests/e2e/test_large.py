@@ -244,18 +244,18 @@ def test_what_is_still_missing_is_asked_for_again_after_the_link_was_lost(
 
 def test_what_one_looks_at_is_predicted(large: tuple[Desk, LiveServer]) -> None:
     desk, _ = large
-    known = {"id": "hills", "name": "hills", "classes": ["mound"], "score": None}
+    known = {"id": "hills", "name": "hills", "classes": ["mound"], "score": None, "above": 0.5}
+    known |= {"taught_by": {}, "examples": {}, "held_out": {}}
     asked: list[list[float]] = []
 
     def predict(route: Route) -> None:
         asked.append(route.request.post_data_json["place"])
-        head = b'{"points": 3, "part": true} '
+        head = b'{"points": 3, "part": true, "confused": [], "doubts": [0]}'
+        head += b" " * (-len(head) % 4)
         numbers, rest = np.array([0, 1, 700], "<u4").tobytes(), bytes([1, 1, 1, 200, 200, 200])
         route.fulfill(body=len(head).to_bytes(4, "little") + head + numbers + rest)
 
-    desk.page.route(
-        "**/classifiers", lambda r: r.fulfill(json=[known | {"taught_by": {}, "examples": {}}])
-    )
+    desk.page.route("**/classifiers", lambda route: route.fulfill(json=[known]))
     desk.page.route("**/prediction?*", predict)
     desk.until("pb?.state.sequence.value")
     stand(desk, [0.0, -12.0, 6.0], [0.0, 0.0, 1.0])

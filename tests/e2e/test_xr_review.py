@@ -375,8 +375,12 @@ def test_tasks_are_taken_handed_in_accepted_and_returned_without_leaving(
     headset.click("palette", "Keep working")
     headset.click("palette", "Hand in")
     headset.click("palette", "Hand in anyway")
+    # The rows below move when the server has answered.
+    names = "hs.areas('palette').map(({ name }) => name)"
+    headset.until(f"{names}.includes('Next task')")
     headset.click("palette", "Next to review")
     headset.click("palette", "Accept")
+    headset.until(f"!{names}.includes('Accept')")
     headset.click("palette", "Next to review")
     headset.click("palette", "Return…")
     note = headset.page.locator("input[aria-label='Note for the correction']")
