@@ -153,6 +153,10 @@ def _ask(server: ServerProcess, tally: Tally, manner: str) -> None:
         ):
             try:
                 answer = api.post(f"/sequences/{SEQUENCE}/frames/0/{path}", json=body)
+                # While the server prepares the frame, it does not ask the selector.
+                while answer.status_code == 200 and not answer.json().get("ready", True):
+                    time.sleep(0.1)
+                    answer = api.post(f"/sequences/{SEQUENCE}/frames/0/{path}", json=body)
             except httpx.TransportError as error:
                 tally.count("errors", f"{manner}: {name}: {error!r}")
                 continue
