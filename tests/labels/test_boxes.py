@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from alembic import command
 from alembic.config import Config
-from conftest import SEQUENCE
 from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, ConflictError, LockedLabelError, NotFoundError
@@ -21,6 +20,8 @@ from pointbrush.labels.database import Database
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.schema import MIGRATIONS
 from pointbrush.oriented_box import BoxPose, OrientedBox
+
+SEQUENCE = "juggling"
 
 
 def pose(x: float) -> dict[str, Any]:
