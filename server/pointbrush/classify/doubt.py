@@ -43,10 +43,10 @@ def doubts(
     options: DoubtOptions,
     most: int = 1,
 ) -> list[Doubt]:
-    """Return at most ``most`` places, the one that would teach most first.
+    """Return at most ``most`` places, most informative first.
 
-    A place teaches the more, the more doubtful cells are more like it than like any example, and
-    the rarer their classes are.  ``open_`` (C,): cells that may be asked about; ``taught`` (n, F):
+    A place is informative if many doubtful cells, of rare classes, resemble it more than any
+    example.  ``open_`` (C,): cells that may be asked about; ``taught`` (n, F):
     features that were learnt from.
     """
     options.check()
@@ -54,7 +54,8 @@ def doubts(
     if not len(cells):
         return []
     margin = decided(chance)[1].astype(np.float64)
-    unsure = (1.0 - margin[cells]) * _rarity(chance, options)[cells]
+    best = two_best(chance)
+    unsure = (1.0 - margin[cells]) * _rarity(best, chance.shape[1], options)[cells]
     scale = np.where(spread > 0, spread, 1.0).astype(np.float32)
     features = place.features[cells] / scale
     considered = _some(np.arange(len(cells)), options.considered)
@@ -70,7 +71,12 @@ def doubts(
         at = int(worth.argmax())
         cell = int(cells[considered[at]])
         found.append(
-            Doubt(cell, _two(chance[cell]), float(1.0 - margin[cell]), share * float(worth[at]))
+            Doubt(
+                cell,
+                (int(best[cell, 0]), int(best[cell, 1])),
+                float(1.0 - margin[cell]),
+                share * float(worth[at]),
+            )
         )
         nearest = np.minimum(nearest, apart[at])
     return found
@@ -83,12 +89,11 @@ def _some(numbers: Cells, most: int) -> Cells:
     return np.asarray(numbers[np.linspace(0, len(numbers) - 1, most).astype(np.int64)])
 
 
-def _rarity(chance: Chances, options: DoubtOptions) -> NDArray[np.float64]:
-    """Return weights (C,) of the cells, larger for rarer classes among their two best."""
-    order = np.argsort(-chance, axis=1, kind="stable")[:, :2]
-    share = np.bincount(order[:, 0], minlength=chance.shape[1]) / len(chance)
+def _rarity(best: Cells, kinds: int, options: DoubtOptions) -> NDArray[np.float64]:
+    """Return weights (C,) of cells, larger for rarer classes among their two ``best`` (C, 2)."""
+    share = np.bincount(best[:, 0], minlength=kinds) / len(best)
     weight = np.maximum(share, RAREST) ** -options.rarity
-    return np.asarray(weight[order].max(axis=1), np.float64)
+    return np.asarray(weight[best].max(axis=1), np.float64)
 
 
 def _apart(one: Floats, other: Floats) -> Floats:
@@ -100,9 +105,10 @@ def _apart(one: Floats, other: Floats) -> Floats:
     return out
 
 
-def _two(chance: NDArray[np.float32]) -> tuple[int, int]:
-    order = np.argsort(-chance, kind="stable")
-    return int(order[0]), int(order[min(1, len(order) - 1)])
+def two_best(chance: Chances) -> Cells:
+    """Return the two most probable classes (C, 2) of each cell, the same twice if there is one."""
+    order = np.argsort(-chance, axis=1, kind="stable")
+    return order[:, [0, min(1, chance.shape[1] - 1)]]
 
 
 def confusions(
@@ -113,9 +119,9 @@ def confusions(
     kinds = chance.shape[1]
     best, margin = decided(chance)
     cells = np.flatnonzero(open_ & (margin < UNSURE))
-    order = np.sort(np.argsort(-chance[cells], axis=1, kind="stable")[:, :2], axis=1)
+    order = np.sort(two_best(chance[cells]), axis=1)
     held = np.bincount(place.of_point, minlength=len(chance))[cells]
-    pairs = np.bincount(order[:, 0] * kinds + order[:, -1], held, kinds * kinds)
+    pairs = np.bincount(order[:, 0] * kinds + order[:, 1], held, kinds * kinds)
     cubes = np.floor(place.center[cells] / (options.edge * place.size)).astype(np.int64)
     places = np.unique(np.column_stack([cubes, best[cells]]), axis=0)
     left = np.bincount(places[:, 3], minlength=kinds)

@@ -168,9 +168,9 @@ class LadderOptions(Positive):
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
     sure: float = 0.7
-    """Score of what was taken before a lidar, from which on ``sure_keep`` applies."""
+    """Score of the kept selection from which ``sure_keep`` replaces ``keep`` in lidar frames."""
     sure_keep: float = 0.1
-    """The same as ``keep`` for what scores so high: after corrections, it is better than that."""
+    """As ``keep``, for such a selection: after corrections, it is better than its score."""
     room_keep: float = 0.08
     """The same in scanned rooms, where scores are less sure."""
     camera_keep: float = 0.06

@@ -171,7 +171,7 @@ class Foreground:
         return _Figures(votes, np.array([far[n] for n in cores]), list(clothes.values()), wears)
 
     def _beside(self, own: Mask) -> Mask:
-        """Return a mask of the cells that touch those of a figure; all cells if it has none."""
+        """Return a mask of the cells that touch cells of a figure; all cells if it has none."""
         if not own.any():
             return np.ones(len(own), np.bool_)
         return close_to(self.middle, self.middle[own], self.options.body.touching_cells * self.size)

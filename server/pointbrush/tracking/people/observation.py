@@ -106,9 +106,9 @@ class PersonObservation:
         return float(touches[cells].mean())
 
     def at_side(self, cells: I64) -> bool:
-        """Test whether the ``cells`` (C,) touch the left or the right edge of what was measured.
+        """Test whether the ``cells`` (C,) touch the left or the right edge of the picture.
 
-        The grid of pixels has a margin about that.
+        The edges are the outermost measured columns; the grid of pixels has a margin around them.
         """
         options, (column, first, last) = self.options.arrivals, self._columns
         own = np.zeros(len(self.owner), np.bool_)
@@ -119,7 +119,7 @@ class PersonObservation:
 
     @cached_property
     def _columns(self) -> tuple[I64, int, int]:
-        """Column (N,) of each point of the frame in the picture; the first and last of them all."""
+        """Columns (N,) of the points in the grid of pixels; the first and the last measured one."""
         down, across = self.view.camera.shape
         cell = self.view.cells.cell.astype(np.int64)
         column = cell % across

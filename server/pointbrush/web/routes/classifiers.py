@@ -88,7 +88,7 @@ class ClassifierOut(Out):
 
 
 class StartOut(Out):
-    """A recording whose labels a classifier can start from, and its ``classes``."""
+    """A labelled recording from which a classifier can start, and its ``classes``."""
 
     recording: str
     classes: list[str]
@@ -283,7 +283,7 @@ def stored_bytes(found: Prediction) -> bytes:
 
 @router.get("/sequences/{seq}/starts", responses=responses(404))
 def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[StartOut]:
-    """List the recordings whose labels a classifier of this recording can start from."""
+    """List the labelled recordings from which a classifier of this recording can start."""
     found = workspace.classifiers.starts(seq)
     return [StartOut.of(each) for each in found if gate.may_see(who, each.recording)]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.asked import asked_points
 from pointbrush.classify.classifier import Classifier
-from pointbrush.classify.doubt import Doubt, doubts
+from pointbrush.classify.doubt import Doubt, doubts, two_best
 from pointbrush.classify.features import Described
 from pointbrush.classify.smoothing import Chances
 from pointbrush.labels import LabelStore
@@ -91,7 +91,7 @@ class Questions:
         open_ = view.open_
         if between:
             wanted = np.isin(classifier.classes, list(between))
-            open_ = open_ & wanted[np.argsort(-view.chance, axis=1)[:, :2]].all(axis=1)
+            open_ = open_ & wanted[two_best(view.chance)].all(axis=1)
         taught = classifier.taught(self._options.forest.most)[0]
         options = self._options.doubt
         found = doubts(view.place, view.chance, open_, taught, classifier.spread, options, most)

@@ -65,7 +65,7 @@ class About:
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """A recording whose labels a classifier can begin with, and its ``classes``."""
+    """A labelled recording from which a classifier can start, and its ``classes``."""
 
     recording: str
     classes: tuple[str, ...]
