@@ -43,7 +43,8 @@ from tests.formats.mutation_bases import Base, bases, recording
 SPACE = 2 << 30
 """Bytes of address space that a process may take beside those it begins with."""
 MOST_RESIDENT = 1 << 30
-"""Bytes of memory that a process may use; no file is larger than a megabyte."""
+"""Bytes of memory that a process may use beside those it begins with; no file is larger than a
+megabyte."""
 SECONDS = 10
 """Processor time of a file."""
 WALL_SECONDS = 120
@@ -241,29 +242,35 @@ def import_base(base: Base, files: dict[str, bytes], folder: Path) -> str:
 
 
 def _in_a_process(work: Callable[[], str]) -> tuple[str, int]:
-    """Run in a fork with limits; returns what it says, or how it died, and its memory."""
+    """Run in a fork with limits; returns what it says, or how it died, and the memory it took."""
     reader, writer = os.pipe()
     child = os.fork()
     if not child:
         try:
             os.setsid()
             _limit()
+            os.write(writer, b"%d " % _pages(1))
             os.write(writer, work().encode("utf-8", "replace")[:4000])
         finally:
             os._exit(0)
     os.close(writer)
     with os.fdopen(reader, "rb") as pipe:
-        said = pipe.read().decode()
+        inherited, said = pipe.read().decode().split(" ", 1)
     _, status, usage = os.wait4(child, 0)
     if os.WIFSIGNALED(status):
         said = f"signal {signal.Signals(os.WTERMSIG(status)).name}"
     with suppress(ProcessLookupError):
         os.killpg(child, signal.SIGKILL)
-    return said or "nothing", usage.ru_maxrss * 1024
+    return said or "nothing", usage.ru_maxrss * 1024 - int(inherited)
+
+
+def _pages(column: int) -> int:
+    """Return the bytes of this process: its address space (0), or its resident memory (1)."""
+    return int(Path("/proc/self/statm").read_text().split()[column]) * resource.getpagesize()
 
 
 def _limit() -> None:
-    space = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize() + SPACE
+    space = _pages(0) + SPACE
     for kind, soft in (
         (resource.RLIMIT_AS, space),
         (resource.RLIMIT_CPU, SECONDS),
