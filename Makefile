@@ -49,7 +49,7 @@ $(STAMPS)/stale-loops: $(STAMPS)/runtime $(wildcard server/pointbrush/tracking/*
 	@touch $@
 
 # A server compiles them while it runs, from `pointbrush demo` beside the sample; tests would wait.
-$(STAMPS)/loops: $(STAMPS)/stale-loops $(addprefix server/pointbrush/work/,compiling.py loop_steps.py prepare.py)
+$(STAMPS)/loops: $(STAMPS)/stale-loops $(addprefix server/pointbrush/work/,loops/compiling.py loops/steps.py prepare.py)
 	@echo "== compiling loops over points (80 s of one core, once)"
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@

@@ -25,7 +25,7 @@ from box_scenes import DGP, Case, Floats, argoverse, dgp, generated, sustech
 
 from pointbrush.box_overlap import iou_3d
 from pointbrush.fitting import BUILT_IN, FittedBox, Observation, fit_box, priors_of
-from pointbrush.formats.exports.boxes import upright_box
+from pointbrush.formats.writers.boxes import upright_box
 from pointbrush.quaternions import rotation_of
 
 FAR, MANY = 2.0, 100

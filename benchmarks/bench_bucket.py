@@ -27,9 +27,9 @@ import s3fs
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
 from pointbrush.sequences import Sequence, import_frames, open_sequence
-from pointbrush.sequences.bucket import Bucket
-from pointbrush.sequences.bucket_files import BucketFiles
-from pointbrush.sequences.file_cache import FileCache
+from pointbrush.sequences.storage.bucket import Bucket
+from pointbrush.sequences.storage.bucket_files import BucketFiles
+from pointbrush.sequences.storage.file_cache import FileCache
 from tests.serving import surface
 
 FRAMES, POINTS, FPS = 60, 54_272, 30

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pointbrush.samples import generate
-from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.octree.order import morton_order, progressive
+from pointbrush.sequences.wire.chunk import Grid, encode_chunk, wire_colors
 
 STEP = 1 / 1024
 """Metres between two values of a coordinate, as for a room."""

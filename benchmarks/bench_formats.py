@@ -21,11 +21,11 @@ from plyfile import PlyData
 from pyarrow import csv
 
 from pointbrush.formats import read
-from pointbrush.formats.las import read_chunks
-from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.ply import write_ply
-from pointbrush.formats.table import Table
-from pointbrush.formats.text import write_csv
+from pointbrush.formats.readers.las import read_chunks
+from pointbrush.formats.readers.pcd import write_pcd
+from pointbrush.formats.readers.ply import write_ply
+from pointbrush.formats.readers.text import write_csv
+from pointbrush.formats.tables.table import Table
 
 KINECT = Path(__file__).parent.parent.parent / "shared" / "realdata" / "pcl_kinect3"
 ROUNDS = 5

@@ -27,13 +27,13 @@ import numpy as np
 from pointbrush.formats import open_source
 from pointbrush.samples import generate
 from pointbrush.sequences import import_frames, import_large, open_sequence
-from pointbrush.sequences.chunk import Grid, encode_chunk, wire_colors
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.decoder import decode_vertices
 from pointbrush.sequences.kdtree import build
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.order import morton_order, progressive
 from pointbrush.sequences.octree.quantise import ROOM_STEP
+from pointbrush.sequences.wire.chunk import Grid, encode_chunk, wire_colors
+from pointbrush.sequences.wire.decoder import decode_vertices
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000
@@ -111,9 +111,9 @@ class Watch:
 
 def import_scan(path: Path, target: Path) -> None:
     """The child's part: import and print the figures."""
-    from pointbrush.formats.las import read_chunks
-    from pointbrush.formats.las_header import read_header
     from pointbrush.formats.options import ReadOptions
+    from pointbrush.formats.readers.las import read_chunks
+    from pointbrush.formats.readers.las_header import read_header
 
     marks: dict[str, float] = {}
     start = time.perf_counter()

@@ -34,7 +34,7 @@ from light_viewer import Drinker, LightViewer, Puller, connect_light  # noqa: E4
 
 from pointbrush.frame import PointFrame  # noqa: E402
 from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
-from pointbrush.sequences.manifest import encode_manifest, read_manifest  # noqa: E402
+from pointbrush.sequences.storage.manifest import encode_manifest, read_manifest  # noqa: E402
 from pointbrush.streaming.encoding import encode_depth, encode_frame  # noqa: E402
 from tests.streaming.client import Viewer, viewer  # noqa: E402
 from tests.streaming.shaping import shaped  # noqa: E402

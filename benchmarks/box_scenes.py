@@ -18,9 +18,9 @@ from pointbrush.fitting import Observation, near_rays
 from pointbrush.formats.boxes.drives import read_argoverse
 from pointbrush.formats.boxes.editors import read_sustechpoints
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.formats.feather import argoverse_poses, read_feather, read_table
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.formats.pcd import read_pcd
+from pointbrush.formats.readers.feather import argoverse_poses, read_feather, read_table
+from pointbrush.formats.readers.pcd import read_pcd
 from pointbrush.quaternions import rotation_of
 from pointbrush.samples.traffic import traffic
 from pointbrush.sequences.floor import find_floor

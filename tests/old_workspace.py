@@ -15,7 +15,7 @@ from sqlalchemy import Connection, Table, inspect, select
 
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import MIGRATIONS, metadata
-from pointbrush.sequences.manifest import checksum
+from pointbrush.sequences.storage.manifest import checksum
 from pointbrush.settings import Settings
 from tests.serving import settings_in
 

@@ -24,13 +24,13 @@ ALLOWED = {
     # Numbers of points from outside: compared with the frame's number of points after.
     "ranges.py:numbers_of",
     # Chunks and columns of imported recordings, written by the server and kept with checksums.
-    "sequences/decoder.py:decode_vertices",
+    "sequences/wire/decoder.py:decode_vertices",
     "sequences/depth/codec.py:decode_band",
     "sequences/octree/",
-    "sequences/source_fields.py:_arrays",
+    "sequences/storage/source_fields.py:_arrays",
     # Mapped files whose pages are looked at, not read.
-    "sequences/frame_files.py:MappedFiles._look",
-    "sequences/residence.py:",
+    "sequences/storage/frame_files.py:MappedFiles._look",
+    "sequences/storage/residence.py:",
     # Values in the label database, written by the server.
     "labels/packing.py:",
     "labels/state.py:decode_points",

@@ -337,7 +337,7 @@ HEAVY = (
     "numpy", "scipy", "numba", "sqlalchemy", "psycopg", "pydantic", "fastapi", "uvicorn", "viser",
     "PIL", "tqdm", "pointbrush.tracking", "pointbrush.streaming", "pointbrush.web",
     "pointbrush.review", "pointbrush.samples", "pointbrush.work.reviewing",
-    "pointbrush.formats.registry", "pointbrush.formats.exports",
+    "pointbrush.formats.registry", "pointbrush.formats.writers",
 )  # fmt: skip
 """Packages that take their time to import."""
 STORED = ("numpy", "sqlalchemy")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.class_maps import ClassNumbers, parse_map
+from pointbrush.formats.tables.class_maps import ClassNumbers, parse_map
 from pointbrush.labels import Category
 from pointbrush.names import require_visible, spelled_out
 from tests.serving import Served, add_sequence, serving, settings_in

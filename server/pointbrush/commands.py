@@ -27,8 +27,8 @@ from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import Answer
 from pointbrush.settings import Settings, seconds_of
-from pointbrush.work.backup import DATABASE, move_labels, own_url, restore_backup
-from pointbrush.work.backup_series import BackupSeries
+from pointbrush.work.backups.backup import DATABASE, move_labels, own_url, restore_backup
+from pointbrush.work.backups.series import BackupSeries
 from pointbrush.work.imports.options import LabelOptions
 from pointbrush.work.palettes import counted_labels
 from pointbrush.work.tracking.options import RunOptions
@@ -100,7 +100,7 @@ def serve(given: argparse.Namespace, settings: Settings) -> None:
 def import_(given: argparse.Namespace, settings: Settings) -> Answer:
     """Import files as one recording or as several, or preview the import."""
     from pointbrush.formats import Limits
-    from pointbrush.formats.corrections import Corrections, parse_corrections
+    from pointbrush.formats.tables.corrections import Corrections, parse_corrections
     from pointbrush.work.imports.previewing import preview
     from pointbrush.work.imports.requests import ImportRequest
 
@@ -119,7 +119,7 @@ def import_(given: argparse.Namespace, settings: Settings) -> Answer:
 
 def import_labels(given: argparse.Namespace, settings: Settings) -> Answer:
     """Import labels made elsewhere."""
-    from pointbrush.formats.class_maps import read_map
+    from pointbrush.formats.tables.class_maps import read_map
 
     with _opened(given, settings) as workspace:
         if given.path is None:

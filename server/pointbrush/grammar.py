@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeAlias, get_args, get_origin
 
 from pointbrush import __version__
 from pointbrush.errors import BadInputError
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.options import UNBOUNDED, Option, options_of
 from pointbrush.roles import ROLES
 from pointbrush.settings import CLIENTS, EVERYWHERE, GROUPS, STORES, options

@@ -15,7 +15,7 @@ from pointbrush import arguments, printing
 from pointbrush.client import PATIENCE, Classifier, Client, Job
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.following import follow
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.options import chosen
 from pointbrush.printing import Answer
 from pointbrush.settings import Settings

@@ -18,7 +18,7 @@ from pointbrush.labels import LabelStore, Limits
 from pointbrush.lazy import once
 from pointbrush.permissions import ServerPaths, make_private
 from pointbrush.sequences import Manifest
-from pointbrush.sequences.file_cache import FileCache
+from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
 from pointbrush.system import require_room
 from pointbrush.work import exporting, thumbnails
@@ -27,7 +27,7 @@ from pointbrush.work.annotate.accepting import Verdicts
 from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
-from pointbrush.work.backup import (
+from pointbrush.work.backups.backup import (
     CLASSIFIERS,
     make_backup,
     note_made,
@@ -46,7 +46,7 @@ from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.job_book import Begin, JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing, Repaired
-from pointbrush.work.loops import Loops
+from pointbrush.work.loops.running import Loops
 from pointbrush.work.objects import Objects
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
@@ -377,7 +377,7 @@ def _store_of(settings: Settings) -> SequenceStore:
     if not settings.sequences:
         return FolderStore(settings.workspace.absolute() / "sequences")
     make_folder("workspace", settings.workspace)
-    from pointbrush.sequences.bucket import Bucket
+    from pointbrush.sequences.storage.bucket import Bucket
     from pointbrush.work.bucket_store import BucketStore
 
     cache = FileCache(settings.cache_folder, settings.sequence_cache_bytes)

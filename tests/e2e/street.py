@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
-from pointbrush.formats.pictures import Camera, Picture, PictureSource
+from pointbrush.formats.cameras.pictures import Camera, Picture, PictureSource
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 

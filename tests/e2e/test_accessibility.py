@@ -11,7 +11,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page, expect
 
-from pointbrush.sequences.manifest import rename_sequence, update_manifest
+from pointbrush.sequences.storage.manifest import rename_sequence, update_manifest
 from tests.e2e.desk import Desk, launch
 from tests.e2e.recording import SEQUENCE
 from tests.e2e.server import LiveServer

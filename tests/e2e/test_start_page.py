@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, expect
 
-from pointbrush.sequences.manifest import FILE, encode_manifest, read_manifest
+from pointbrush.sequences.storage.manifest import FILE, encode_manifest, read_manifest
 from pointbrush.workspace import Workspace
 from tests.e2e.desk import Desk, launch
 from tests.e2e.server import LiveServer

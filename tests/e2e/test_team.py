@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import Browser, Locator
 
 from pointbrush.client import Client
-from pointbrush.sequences.manifest import rename_sequence, update_manifest
+from pointbrush.sequences.storage.manifest import rename_sequence, update_manifest
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.e2e.conftest import DATA

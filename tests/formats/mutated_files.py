@@ -32,7 +32,7 @@ from PIL import Image
 
 from pointbrush.errors import PointbrushError
 from pointbrush.formats import Limits
-from pointbrush.formats.class_maps import read_map
+from pointbrush.formats.tables.class_maps import read_map
 from pointbrush.sequences import open_sequence
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
@@ -132,7 +132,7 @@ def _in_zip(data: bytes, rng: random.Random) -> bytes:
 
 def _in_pages(data: bytes, rng: random.Random) -> bytes:
     """Change an E57 file and make its checksums fit."""
-    from pointbrush.formats.e57 import PAGE, PAYLOAD
+    from pointbrush.formats.readers.e57 import PAGE, PAYLOAD
     from tests.formats.test_e57 import paged
 
     logical = b"".join(data[at : at + PAYLOAD] for at in range(0, len(data), PAGE))

@@ -19,7 +19,7 @@ from pyarrow import feather
 from pointbrush.formats import EXPORTS, export
 from pointbrush.formats.boxes.conventions import CONVENTIONS
 from pointbrush.formats.boxes.writing import BOX_WRITERS
-from pointbrush.formats.matching import Origin
+from pointbrush.formats.times.matching import Origin
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.quaternions import quaternion_of
 from pointbrush.sequences import import_frames

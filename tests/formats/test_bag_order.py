@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from pointbrush.formats import open_source, reported
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from tests.formats.test_bags import MAGIC, connection, message, op, record, stamp, text
 
 Cloud = tuple[str, float, float]

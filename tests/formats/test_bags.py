@@ -15,10 +15,10 @@ import zstandard
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, open_source, read
-from pointbrush.formats.bag import BagMessage, unpack_chunk
-from pointbrush.formats.corrections import Corrections
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.ros_message import frame_of_message
+from pointbrush.formats.ros.bag import BagMessage, unpack_chunk
+from pointbrush.formats.ros.message import frame_of_message
+from pointbrush.formats.tables.corrections import Corrections
 
 STEP = 24
 FIELDS = (("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 16, 7), ("rgb", 20, 7))

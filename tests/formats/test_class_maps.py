@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.class_maps import parse_map
-from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.tables.class_maps import parse_map
+from pointbrush.formats.tables.datasets import ClassName
 
 # The layout of PRBonn/semantic-kitti-api config/semantic-kitti.yaml, with classes of our own.
 YAML = """# classes of our yard

@@ -11,7 +11,7 @@ import pytest
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats import open_source
-from pointbrush.formats.corrections import Corrections, parse_corrections
+from pointbrush.formats.tables.corrections import Corrections, parse_corrections
 from pointbrush.frame import PointFrame
 from tests.formats.test_bags import Writer, connection, message, record, stamp
 

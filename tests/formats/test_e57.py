@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import Limits, open_source, read
-from pointbrush.formats.e57 import HEADER, PAYLOAD, Field, crc32c, decode
+from pointbrush.formats.readers.e57 import HEADER, PAYLOAD, Field, crc32c, decode
 
 
 def paged(logical: bytes) -> bytes:

@@ -17,8 +17,8 @@ from plyfile import PlyData
 
 from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.formats import EXPORTS, LabeledFrame, export, read
-from pointbrush.formats.exports.boxes import pca_box, upright_axes, upright_box
-from pointbrush.formats.kitti import pack_label
+from pointbrush.formats.readers.kitti import pack_label
+from pointbrush.formats.writers.boxes import pca_box, upright_axes, upright_box
 from pointbrush.frame import PointFrame
 
 

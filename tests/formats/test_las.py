@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats import Limits, las, open_source, read
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.las import read_chunks
-from pointbrush.formats.las_header import read_header
-from pointbrush.formats.las_write import write_las
+from pointbrush.formats import Limits, open_source, read
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.table import Table
+from pointbrush.formats.readers import las
+from pointbrush.formats.readers.las import read_chunks
+from pointbrush.formats.readers.las_header import read_header
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.table import Table
+from pointbrush.formats.writers.las import write_las
 
 CLASSES = np.arange(1 << 16, dtype=np.uint16) % 3
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import reported
-from pointbrush.formats.matching import FrameName, frames_of_numbers, match, matched, partners
+from pointbrush.formats.times.matching import FrameName, frames_of_numbers, match, matched, partners
 
 WORDS = st.text("abcxyz", min_size=1, max_size=6)
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from pointbrush.formats import LabeledFrame, export, own_labels, read
-from pointbrush.formats.datasets import SEMANTIC_KITTI
-from pointbrush.formats.exports.labeled import Palette
 from pointbrush.formats.source import open_source
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
+from pointbrush.formats.writers.labeled import Palette
 from pointbrush.frame import PointFrame
 
 

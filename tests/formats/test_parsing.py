@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pointbrush.formats.parsing import parse_json, parse_xml
+from pointbrush.formats.tables.parsing import parse_json, parse_xml
 
 ENTITIES = "<?xml version='1.0' encoding='utf-16'?><!DOCTYPE a [<!ENTITY b 'c'>]><a>&b;</a>"
 

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats import open_source, read, reported
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.lzf import lzf_decompress
-from pointbrush.formats.pcd import write_pcd
-from pointbrush.formats.table import Table
+from pointbrush.formats.readers.lzf import lzf_decompress
+from pointbrush.formats.readers.pcd import write_pcd
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.table import Table
 
 COLOR = 0xFF102030
 

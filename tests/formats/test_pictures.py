@@ -13,7 +13,7 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError, ForbiddenError
 from pointbrush.formats import Limits, open_source
-from pointbrush.formats.pictures import Picture
+from pointbrush.formats.cameras.pictures import Picture
 from tests.formats.test_bags import Writer, connection, message, record, stamp
 
 K = [[500.0, 0, 320], [0, 510, 240], [0, 0, 1]]
@@ -114,7 +114,7 @@ def test_a_picture_that_leads_out_or_is_none_is_left_out_and_told(
 
 
 def test_a_scale_of_the_points_holds_for_the_cameras_place(tmp_path: Path) -> None:
-    from pointbrush.formats.corrections import Corrections
+    from pointbrush.formats.tables.corrections import Corrections
 
     moved = AHEAD.copy()
     moved[:3, 3] = 100, 200, 300

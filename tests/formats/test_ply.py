@@ -14,8 +14,8 @@ from plyfile import PlyData, PlyElement
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import read
-from pointbrush.formats.ply import write_ply
-from pointbrush.formats.table import Table
+from pointbrush.formats.readers.ply import write_ply
+from pointbrush.formats.tables.table import Table
 
 CUBE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 

@@ -7,8 +7,8 @@ import logging
 import numpy as np
 import pytest
 
-from pointbrush.formats.columns import frame_from_columns
 from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.tables.columns import frame_from_columns
 from pointbrush.frame import PointFrame
 
 

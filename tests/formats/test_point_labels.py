@@ -13,9 +13,9 @@ import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.annotation import find_label_files
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.options import Limits, ReadOptions
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.datasets import ClassName
 
 
 def read(place: Path, format: str | None = None) -> list[list[int]]:

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import open_source, reported
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.interpolation import interpolated
+from pointbrush.formats.geometry.interpolation import interpolated
+from pointbrush.formats.tables.corrections import Corrections
 
 START = 1616431234.0
 

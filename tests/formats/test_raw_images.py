@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.raw_images import DECODERS, RawImage, pixels_of
+from pointbrush.formats.ros.raw_images import DECODERS, RawImage, pixels_of
 
 HEIGHT, WIDTH = 6, 8
 COLOR = (200, 90, 40)

@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import open_source, read, reported, text
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.table import Table
-from pointbrush.formats.text import write_csv
+from pointbrush.formats import open_source, read, reported
+from pointbrush.formats.readers import text
+from pointbrush.formats.readers.text import write_csv
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.table import Table
 
 
 def one(path, text, **kwargs):

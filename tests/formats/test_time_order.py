@@ -11,9 +11,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pointbrush.formats import open_source, reported
-from pointbrush.formats.matching import FrameName, matched
-from pointbrush.formats.time_order import irregular_steps, order_by_time
-from pointbrush.formats.timing import in_order, order_of, rate_of, times_in_names
+from pointbrush.formats.times.matching import FrameName, matched
+from pointbrush.formats.times.time_order import irregular_steps, order_by_time
+from pointbrush.formats.times.timing import in_order, order_of, rate_of, times_in_names
 
 RATES = st.sampled_from([1.0, 5.0, 10.0, 20.0, 30.0])
 JITTER = st.sampled_from([0.0, 0.02, 0.1])

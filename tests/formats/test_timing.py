@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.timing import (
+from pointbrush.formats.times.timing import (
     natural_key,
     rate_of,
     read_times,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import open_source, read
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import PointFrame
 
 RNG = np.random.default_rng(0)

@@ -9,7 +9,7 @@ from threading import Barrier
 import pytest
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.formats.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
+from pointbrush.formats.tables.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
 from pointbrush.labels import Category, LabelStore
 
 

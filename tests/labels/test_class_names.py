@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from pointbrush.errors import ConflictError
-from pointbrush.formats.numbering import KITTI_NUMBERS, official_numbers, plain
+from pointbrush.formats.tables.numbering import KITTI_NUMBERS, official_numbers, plain
 from pointbrush.labels import Category, LabelStore
 from tests.labels.conftest import SEQUENCE
 

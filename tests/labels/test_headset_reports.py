@@ -9,7 +9,7 @@ import pytest
 
 from pointbrush.labels import LabelStore
 from pointbrush.labels.backup import back_up, restore
-from pointbrush.sequences.manifest import VERSION
+from pointbrush.sequences.storage.manifest import VERSION
 from pointbrush.workspace import Workspace
 from tests.old_workspace import make_older, old_workspace
 

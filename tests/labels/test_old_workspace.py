@@ -12,11 +12,11 @@ import pytest
 from numpy.typing import NDArray
 from sqlalchemy import text
 
-from pointbrush.formats.datasets import SEMANTIC_KITTI
-from pointbrush.formats.numbering import KITTI_NUMBERS
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
+from pointbrush.formats.tables.numbering import KITTI_NUMBERS
 from pointbrush.labels import Category
 from pointbrush.labels.database import Database
-from pointbrush.sequences.manifest import VERSION
+from pointbrush.sequences.storage.manifest import VERSION
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.old_workspace import EXPECTED, make_older, old_workspace

@@ -12,7 +12,7 @@ import pytest
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels import LabelStore, Review
-from pointbrush.work.backup import make_backup
+from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import EXPECTED, old_workspace
 

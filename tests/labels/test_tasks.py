@@ -15,7 +15,7 @@ from pointbrush.labels import LabelStore, backup
 from pointbrush.labels.projects import Change
 from pointbrush.labels.tasks import Stretch, Task, Wanted
 from pointbrush.roles import Role
-from pointbrush.work.backup import make_backup
+from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import old_workspace
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.storage.cache import Cache
 
 
 def test_the_least_recently_used_goes_first() -> None:

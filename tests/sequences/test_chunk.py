@@ -8,14 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.budget import BUDGET, FEW
-from pointbrush.sequences.chunk import Grid, encode_chunk
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.order import morton_order
 from pointbrush.sequences.octree.quantise import ROOM_STEP, coarsest_step, dequantise
-from pointbrush.sequences.path import short_path
+from pointbrush.sequences.wire.budget import BUDGET, FEW
+from pointbrush.sequences.wire.chunk import Grid, encode_chunk
+from pointbrush.sequences.wire.decoder import decode_points
+from pointbrush.sequences.wire.path import short_path
 from tests.depth_camera import depth_camera
 
 

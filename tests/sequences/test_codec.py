@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
-from pointbrush.sequences.decoder import decode_vertices
-from pointbrush.sequences.encoder import encode_vertices
+from pointbrush.sequences.wire.decoder import decode_vertices
+from pointbrush.sequences.wire.encoder import encode_vertices
 
 ROOT = Path(__file__).parents[2]
 MODULES = ROOT / "webxr_client" / "node_modules" / "meshoptimizer"

@@ -17,7 +17,7 @@ from pointbrush.sequences import Manifest, Sequence, import_frames, open_sequenc
 from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
-from pointbrush.sequences.manifest import encode_manifest
+from pointbrush.sequences.storage.manifest import encode_manifest
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.wire.chunk import Grid
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 LATTICE = Lattice(

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pointbrush.errors import DamagedError
-from pointbrush.sequences.file_cache import FileCache, Hold, held
+from pointbrush.sequences.storage.file_cache import FileCache, Hold, held
 
 SIZE = 100
 

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.octree.quantise import ROOM_STEP, dequantise
+from pointbrush.sequences.wire.chunk import Grid
+from pointbrush.sequences.wire.decoder import decode_points
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 

@@ -32,9 +32,9 @@ from pointbrush.sequences import (
     verify,
 )
 from pointbrush.sequences import importer as importer_module
-from pointbrush.sequences.decoder import decode_points
-from pointbrush.sequences.manifest import VERSION
 from pointbrush.sequences.octree.quantise import dequantise
+from pointbrush.sequences.storage.manifest import VERSION
+from pointbrush.sequences.wire.decoder import decode_points
 from tests import forked
 from tests.waiting import eventually
 

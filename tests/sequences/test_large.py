@@ -23,12 +23,12 @@ from pointbrush.sequences import (
     verify,
 )
 from pointbrush.sequences.columns import residual
-from pointbrush.sequences.decoder import decode_points
 from pointbrush.sequences.octree import nodes as octree
 from pointbrush.sequences.octree import partition
 from pointbrush.sequences.octree.nodes import build, hand_up, sort_codes
 from pointbrush.sequences.octree.order import morton_codes
 from pointbrush.sequences.octree.quantise import dequantise
+from pointbrush.sequences.wire.decoder import decode_points
 
 
 @pytest.fixture

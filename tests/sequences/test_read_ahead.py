@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 
 from pointbrush.errors import UnavailableError
-from pointbrush.sequences.read_ahead import AHEAD_BYTES, AHEAD_FRAMES, THREADS, ReadAhead
+from pointbrush.sequences.storage.read_ahead import AHEAD_BYTES, AHEAD_FRAMES, THREADS, ReadAhead
 from tests.waiting import eventually
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from pointbrush import worker
-from pointbrush.work.compiling import DONE, STEPS, Progress, Report, StepName, hold
+from pointbrush.work.loops.compiling import DONE, STEPS, Progress, Report, StepName, hold
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer

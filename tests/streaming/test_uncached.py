@@ -13,7 +13,7 @@ import msgpack
 import pytest
 
 from pointbrush.sequences.octree.arrays import map_file
-from pointbrush.sequences.residence import can_tell, in_memory, read_in
+from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.session import ViewerSession

@@ -16,8 +16,8 @@ from pointbrush.cli import main
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.settings import Settings, variables
 from pointbrush.web.app import create_app
-from pointbrush.work import backup
-from pointbrush.work.backup_series import BackupSchedule, BackupSeries
+from pointbrush.work.backups import backup
+from pointbrush.work.backups.series import BackupSchedule, BackupSeries
 from pointbrush.workspace import Workspace
 from tests import forked
 from tests.serving import TOKEN, add_sequence, serving, settings_in

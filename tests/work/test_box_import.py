@@ -12,7 +12,7 @@ import pytest
 
 from pointbrush.formats.boxes.figures import FrameBox, points_of
 from pointbrush.formats.boxes.registry import read_boxes
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings

@@ -14,7 +14,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.formats import EXPORTS
-from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Label
 from pointbrush.labels.projects import Change

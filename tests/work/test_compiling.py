@@ -10,15 +10,15 @@ import pytest
 
 from pointbrush.compiled import compiled
 from pointbrush.errors import CancelledError
-from pointbrush.work import loop_steps
-from pointbrush.work.compiling import (
+from pointbrush.work.loops import steps as loop_steps
+from pointbrush.work.loops.compiling import (
     STEPS,
     Progress,
     StepName,
     are_compiled,
     hold,
 )
-from pointbrush.work.loop_steps import Step, estimate
+from pointbrush.work.loops.steps import Step, estimate
 from pointbrush.work.prepare import ensure_compiled
 from tests.waiting import eventually
 

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from pointbrush.formats import open_source
-from pointbrush.formats.class_maps import parse_map
+from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.labels.taxonomy import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

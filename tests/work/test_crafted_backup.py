@@ -17,7 +17,7 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.labels.recordings import KEPT_SECONDS
-from pointbrush.sequences.manifest import checksum
+from pointbrush.sequences.storage.manifest import checksum
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
-from pointbrush.sequences.manifest import FILE, checksum
+from pointbrush.sequences.storage.manifest import FILE, checksum
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 

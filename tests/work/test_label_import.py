@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pointbrush.formats.class_maps import parse_map
-from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.tables.class_maps import parse_map
+from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
@@ -333,7 +333,7 @@ def test_maps_are_json_or_lines(tmp_path: Path) -> None:
 
 def test_every_format_of_labels_has_a_reader_and_a_name() -> None:
     from pointbrush.formats.boxes.registry import BOX_READERS
-    from pointbrush.formats.names import LABEL_FORMATS
     from pointbrush.formats.point_labels import READERS
+    from pointbrush.formats.tables.names import LABEL_FORMATS
 
     assert set(LABEL_FORMATS) == {*READERS, *BOX_READERS}

@@ -16,7 +16,7 @@ from pointbrush.cli import main
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.backup import restore_sequence
 from pointbrush.settings import Settings
-from pointbrush.work.backup import make_backup
+from pointbrush.work.backups.backup import make_backup
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 from tests import forked

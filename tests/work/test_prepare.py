@@ -6,14 +6,14 @@ import subprocess
 import sys
 
 from pointbrush.compiled import compiled
-from pointbrush.work.compiling import STEPS
-from pointbrush.work.loop_steps import RUNS
+from pointbrush.work.loops.compiling import STEPS
+from pointbrush.work.loops.steps import RUNS
 
 AFTER_PREPARING = """
 import gc
 from numba.core.dispatcher import Dispatcher
 from pointbrush.samples import generate
-from pointbrush.work.loop_steps import RUNS, select_object, track
+from pointbrush.work.loops.steps import RUNS, select_object, track
 
 def compiled_for():
     loops = [one for one in gc.get_objects() if isinstance(one, Dispatcher)]

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label
 from pointbrush.sequences import import_frames

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.job import Job
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pointbrush.formats.class_maps import parse_map
-from pointbrush.formats.datasets import SEMANTIC_KITTI
+from pointbrush.formats.tables.class_maps import parse_map
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.labels import Category
 from pointbrush.settings import Settings
 from pointbrush.work.palettes import add_template

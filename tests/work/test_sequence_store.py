@@ -24,12 +24,13 @@ from pointbrush.client import Client
 from pointbrush.errors import DamagedError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.labels import KEPT_SECONDS, schema
 from pointbrush.labels.recordings import SURE_SECONDS
-from pointbrush.sequences import files, import_frames, open_sequence, verify
-from pointbrush.sequences.bucket import Bucket
-from pointbrush.sequences.bucket_files import BucketFiles
-from pointbrush.sequences.file_cache import FileCache
+from pointbrush.sequences import import_frames, open_sequence, verify
+from pointbrush.sequences.storage import files
+from pointbrush.sequences.storage.bucket import Bucket
+from pointbrush.sequences.storage.bucket_files import BucketFiles
+from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
-from pointbrush.work.backup import make_backup
+from pointbrush.work.backups.backup import make_backup
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace

@@ -13,7 +13,7 @@ import pytest
 from pointbrush import printing
 from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.settings import Settings
 from pointbrush.work.imports.previewing import preview
 from pointbrush.work.imports.requests import ImportRequest

@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
-    from pointbrush.formats.exports import (
+    from pointbrush.formats.options import Limits, ReadOptions
+    from pointbrush.formats.registry import FORMATS, Format, format_names
+    from pointbrush.formats.source import open_source, read, reported, source_name
+    from pointbrush.formats.tables.palette import own_labels
+    from pointbrush.formats.writers import (
         EXPORTS,
         BlockedFrame,
         ExportFrame,
@@ -15,17 +19,13 @@ if TYPE_CHECKING:
         Split,
         export,
     )
-    from pointbrush.formats.options import Limits, ReadOptions
-    from pointbrush.formats.palette import own_labels
-    from pointbrush.formats.registry import FORMATS, Format, format_names
-    from pointbrush.formats.source import open_source, read, reported, source_name
 if not TYPE_CHECKING:
     __getattr__ = lazily(
         __name__,
         {
-            "exports": "BlockedFrame EXPORTS ExportFrame LabeledFrame Split export",
+            "writers": "BlockedFrame EXPORTS ExportFrame LabeledFrame Split export",
             "options": "Limits ReadOptions",
-            "palette": "own_labels",
+            "tables.palette": "own_labels",
             "registry": "FORMATS Format format_names",
             "source": "open_source read reported source_name",
         },

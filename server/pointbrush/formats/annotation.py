@@ -10,17 +10,17 @@ from types import MappingProxyType
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.boxes.registry import BOX_READERS, is_box_file
-from pointbrush.formats.class_maps import class_file, stated_classes
-from pointbrush.formats.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
-from pointbrush.formats.names import LABEL_FORMATS
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes
 from pointbrush.formats.own_export import OwnExport, own_export
-from pointbrush.formats.palette import SourceLabel, own_palette
 from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
+from pointbrush.formats.readers.s3dis import FOLDER as OBJECTS
+from pointbrush.formats.readers.s3dis import is_object
 from pointbrush.formats.registry import format_by_name
-from pointbrush.formats.s3dis import FOLDER as OBJECTS
-from pointbrush.formats.s3dis import is_object
-from pointbrush.formats.timing import TIME_FILES, in_order
+from pointbrush.formats.tables.class_maps import class_file, stated_classes
+from pointbrush.formats.tables.datasets import LAS, NUSCENES, SEMANTIC_KITTI, ClassName, Dataset
+from pointbrush.formats.tables.names import LABEL_FORMATS
+from pointbrush.formats.tables.palette import SourceLabel, own_palette
+from pointbrush.formats.times.timing import TIME_FILES, in_order
 
 LEVELS = 4
 """Folders below a path that are searched for label files."""

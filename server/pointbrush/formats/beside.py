@@ -7,16 +7,21 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.feather import argoverse_poses
-from pointbrush.formats.kitti_cameras import kitti_pictures
+from pointbrush.formats.cameras.kitti_cameras import kitti_pictures
+from pointbrush.formats.cameras.pictures import FILE as CAMERAS_FILE
+from pointbrush.formats.cameras.pictures import PictureSource, read_cameras_file
+from pointbrush.formats.geometry.poses import Poses, find_poses, named_file, read_poses
 from pointbrush.formats.listing import INNER
-from pointbrush.formats.names import VIEWPOINT
-from pointbrush.formats.nuscenes import Tables, nuscenes_pictures, nuscenes_poses, read_tables
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pictures import FILE as CAMERAS_FILE
-from pointbrush.formats.pictures import PictureSource, read_cameras_file
-from pointbrush.formats.poses import Poses, find_poses, named_file, read_poses
+from pointbrush.formats.readers.feather import argoverse_poses
+from pointbrush.formats.readers.nuscenes import (
+    Tables,
+    nuscenes_pictures,
+    nuscenes_poses,
+    read_tables,
+)
 from pointbrush.formats.registry import Format
+from pointbrush.formats.tables.names import VIEWPOINT
 
 log = logging.getLogger(__name__)
 

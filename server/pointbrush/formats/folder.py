@@ -13,17 +13,17 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats.bag_listing import list_bags
 from pointbrush.formats.beside import find_tables, pictures_beside, poses_beside
-from pointbrush.formats.datasets import SEMANTIC_KITTI
-from pointbrush.formats.feather import POSES as ARGOVERSE_POSES
-from pointbrush.formats.image_pairs import folders_in
-from pointbrush.formats.kitti import find_label
+from pointbrush.formats.cameras.image_pairs import folders_in
+from pointbrush.formats.cameras.rgbd import has_depth_images, list_rgbd
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import Extras, ReadOptions
+from pointbrush.formats.readers.feather import POSES as ARGOVERSE_POSES
+from pointbrush.formats.readers.kitti import find_label
 from pointbrush.formats.registry import Format, advice, format_by_name, format_named, format_of
-from pointbrush.formats.rgbd import has_depth_images, list_rgbd
-from pointbrush.formats.timing import (
+from pointbrush.formats.ros.listing import list_bags
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
+from pointbrush.formats.times.timing import (
     TIME_FILES,
     assumed_rate,
     in_order,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from pointbrush.formats.bag import Topic
+from pointbrush.formats.cameras.pictures import PictureSource
 from pointbrush.formats.options import Extras, ReadOptions
-from pointbrush.formats.pictures import PictureSource
-from pointbrush.formats.timing import CAMERA_FPS
+from pointbrush.formats.ros.bag import Topic
+from pointbrush.formats.times.timing import CAMERA_FPS
 from pointbrush.frame import PointFrame
 
 INNER = ("raw", "npz", "velodyne", "velodyne_points", "data", "points", "frames")

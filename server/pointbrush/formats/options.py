@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import DepthCamera
 
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.exports import EXPORTS
-from pointbrush.formats.exports.about import DELETED, NAME, PLACEMENT, TIMES
-from pointbrush.formats.npy import read_array
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.parsing import parse_json
+from pointbrush.formats.readers.npy import read_array
+from pointbrush.formats.tables.parsing import parse_json
+from pointbrush.formats.writers import EXPORTS
+from pointbrush.formats.writers.about import DELETED, NAME, PLACEMENT, TIMES
 from pointbrush.names import stored_as
 
 MAX_BYTES = 64 << 20

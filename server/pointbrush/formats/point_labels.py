@@ -14,17 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.class_maps import GREATEST_CLASS
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.exports.about import ROW
-from pointbrush.formats.kitti import read_label
-from pointbrush.formats.label_values import number_of
-from pointbrush.formats.npy import read_array
-from pointbrush.formats.numbers import is_number, parse_numbers
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
-from pointbrush.formats.palette import own_palette
+from pointbrush.formats.readers.kitti import read_label
+from pointbrush.formats.readers.npy import read_array
+from pointbrush.formats.readers.s3dis import object_files, read_objects
 from pointbrush.formats.registry import format_by_name
-from pointbrush.formats.s3dis import object_files, read_objects
+from pointbrush.formats.tables.class_maps import GREATEST_CLASS
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.label_values import number_of
+from pointbrush.formats.tables.numbers import is_number, parse_numbers
+from pointbrush.formats.tables.palette import own_palette
+from pointbrush.formats.writers.about import ROW
 from pointbrush.npz import read_npz as read_arrays
 
 Numbers = NDArray[np.int64]

@@ -14,19 +14,19 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats import mcap, rosbag1, rosbag2
-from pointbrush.formats.bag import Bag
-from pointbrush.formats.depth_image import read_depth
-from pointbrush.formats.e57 import read_e57
-from pointbrush.formats.feather import read_feather
-from pointbrush.formats.kitti import read_bin, read_kitti, read_nuscenes, read_xyzrgb
-from pointbrush.formats.las import read_las
-from pointbrush.formats.npy import read_npy, read_npz
+from pointbrush.formats.cameras.depth_image import read_depth
 from pointbrush.formats.options import ReadOptions
-from pointbrush.formats.pcd import read_pcd
-from pointbrush.formats.ply import read_ply
-from pointbrush.formats.ptx import read_ptx
-from pointbrush.formats.s3dis import read_room
+from pointbrush.formats.readers.e57 import read_e57
+from pointbrush.formats.readers.feather import read_feather
+from pointbrush.formats.readers.kitti import read_bin, read_kitti, read_nuscenes, read_xyzrgb
+from pointbrush.formats.readers.las import read_las
+from pointbrush.formats.readers.npy import read_npy, read_npz
+from pointbrush.formats.readers.pcd import read_pcd
+from pointbrush.formats.readers.ply import read_ply
+from pointbrush.formats.readers.ptx import read_ptx
+from pointbrush.formats.readers.s3dis import read_room
+from pointbrush.formats.ros import mcap, rosbag1, rosbag2
+from pointbrush.formats.ros.bag import Bag
 from pointbrush.frame import PointFrame
 
 log = logging.getLogger(__name__)

@@ -16,16 +16,16 @@ from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
-from pointbrush.formats.class_maps import ClassNumbers
-from pointbrush.formats.corrections import Corrections
+from pointbrush.formats.cameras.pictures import PictureSource, joined
 from pointbrush.formats.folder import frames_among, list_files, list_folder
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import INNER, FrameFile, Listing
-from pointbrush.formats.matching import Origin
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
-from pointbrush.formats.pictures import PictureSource, joined
 from pointbrush.formats.registry import format_named
-from pointbrush.formats.timing import ASSUMED, in_order, rate_of
+from pointbrush.formats.tables.class_maps import ClassNumbers
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.times.matching import Origin
+from pointbrush.formats.times.timing import ASSUMED, in_order, rate_of
 from pointbrush.frame import PointFrame
 from pointbrush.names import spelled_out
 

@@ -14,7 +14,7 @@ from typing import Any
 from sqlalchemy import Connection, Select, Table, delete, func, insert, select, text
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.formats.datasets import DATASETS
+from pointbrush.formats.tables.datasets import DATASETS
 from pointbrush.labels.class_names import read_names, with_category
 from pointbrush.labels.database import Database
 from pointbrush.labels.job_records import INTERRUPTED, UNDER_WAY

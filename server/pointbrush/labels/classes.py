@@ -12,7 +12,7 @@ from sqlalchemy import and_, bindparam, delete, func, insert, or_, select
 from sqlalchemy.engine import Connection
 
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.formats.numbering import Numbering, official_numbers, plain
+from pointbrush.formats.tables.numbering import Numbering, official_numbers, plain
 from pointbrush.labels.class_names import AGAIN, DELETED, read_names
 from pointbrush.labels.schema import categories, dataset_numbers, labels, sequences
 

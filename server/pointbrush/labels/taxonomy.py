@@ -11,8 +11,8 @@ from typing import NamedTuple, TypeVar
 from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError, UnavailableError
-from pointbrush.formats.datasets import DATASETS
-from pointbrush.formats.numbering import Numbering, official_numbers, plain
+from pointbrush.formats.tables.datasets import DATASETS
+from pointbrush.formats.tables.numbering import Numbering, official_numbers, plain
 from pointbrush.labels.box_attributes import BoxAttribute, read_attributes, write_attributes
 from pointbrush.labels.box_maps import LONGEST_SIDE
 from pointbrush.labels.class_names import DELETED

@@ -9,11 +9,11 @@ from pointbrush.lazy import lazily
 if TYPE_CHECKING:
     from pointbrush.sequences.check import note_checksums, verify
     from pointbrush.sequences.depth.lattice import Lattice
-    from pointbrush.sequences.files import clean_temporary
     from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
-    from pointbrush.sequences.manifest import Manifest, read_manifest, update_manifest
     from pointbrush.sequences.octree.coordinates import load_loops
     from pointbrush.sequences.source_order import source_blocks
+    from pointbrush.sequences.storage.files import clean_temporary
+    from pointbrush.sequences.storage.manifest import Manifest, read_manifest, update_manifest
     from pointbrush.sequences.store import Sequence, open_sequence
     from pointbrush.sequences.stored_frame import Chunk, StoredFrame
 if not TYPE_CHECKING:
@@ -22,9 +22,9 @@ if not TYPE_CHECKING:
         {
             "check": "note_checksums verify",
             "depth.lattice": "Lattice",
-            "files": "clean_temporary",
+            "storage.files": "clean_temporary",
             "importer": "LARGE_POINTS import_frames import_large",
-            "manifest": "Manifest read_manifest update_manifest",
+            "storage.manifest": "Manifest read_manifest update_manifest",
             "octree.coordinates": "load_loops",
             "source_order": "source_blocks",
             "store": "Sequence open_sequence",

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from pointbrush.errors import DamagedError, PointbrushError, UnavailableError
-from pointbrush.sequences.checksums import CHECKSUMS, encode_checksums
-from pointbrush.sequences.frame_files import FRAMES
 from pointbrush.sequences.octree.arrays import read_array, read_layout
-from pointbrush.sequences.recording_files import RecordingFiles, files_of
-from pointbrush.sequences.source_fields import FIELDS
+from pointbrush.sequences.storage.checksums import CHECKSUMS, encode_checksums
+from pointbrush.sequences.storage.frame_files import FRAMES
+from pointbrush.sequences.storage.recording_files import RecordingFiles, files_of
+from pointbrush.sequences.storage.source_fields import FIELDS
 
 NO_CHECKSUMS = (
     f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged: changed bytes of the "

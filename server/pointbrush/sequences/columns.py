@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import blocks
-from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.octree.order import morton_order, progressive
+from pointbrush.sequences.wire.chunk import Grid, encode_chunks, wire_colors
 
 if TYPE_CHECKING:
     from pointbrush.sequences.depth.images import Depth

@@ -13,12 +13,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.checksums import CHECKSUMS, encode_checksums
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS, encode_frame, frame_meta
-from pointbrush.sequences.files import new_folder, write_file
-from pointbrush.sequences.frame_files import FRAMES
-from pointbrush.sequences.manifest import FILE, Manifest, encode_manifest
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
 from pointbrush.sequences.octree.arrays import digest, file_digest, map_npy, read_meta, write_arrays
 from pointbrush.sequences.octree.coordinates import Coordinates
@@ -26,10 +21,15 @@ from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import FrameOrigin, Record, make_manifest, record
-from pointbrush.sequences.source_fields import write_source_fields
+from pointbrush.sequences.storage.checksums import CHECKSUMS, encode_checksums
+from pointbrush.sequences.storage.files import new_folder, write_file
+from pointbrush.sequences.storage.frame_files import FRAMES
+from pointbrush.sequences.storage.manifest import FILE, Manifest, encode_manifest
+from pointbrush.sequences.storage.source_fields import write_source_fields
+from pointbrush.sequences.wire.chunk import Grid
 
 if TYPE_CHECKING:
-    from pointbrush.formats.pictures import PictureSource
+    from pointbrush.formats.cameras.pictures import PictureSource
 
 Progress = Callable[[float, str], None]
 

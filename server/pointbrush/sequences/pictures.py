@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import DamagedError, NotFoundError
-from pointbrush.sequences.files import write_file
 from pointbrush.sequences.octree.arrays import digest
+from pointbrush.sequences.storage.files import write_file
 
 if TYPE_CHECKING:
-    from pointbrush.formats.pictures import Picture
+    from pointbrush.formats.cameras.pictures import Picture
 
 CAMERAS = "cameras"
 MEDIA_TYPES = {".jpg": "image/jpeg", ".png": "image/png", ".webp": "image/webp"}

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
-from pointbrush.sequences.manifest import Manifest, now
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.room import RoomFinder
+from pointbrush.sequences.storage.manifest import Manifest, now
+from pointbrush.sequences.wire.chunk import Grid
 
 _PREFIX = 4096
 

@@ -14,10 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
-from pointbrush.sequences.frame_files import FRAMES, CopiedFiles, MappedFiles, open_frame_files
 from pointbrush.sequences.pictures import CAMERAS, Projection, find_picture, read_projections
-from pointbrush.sequences.recording_files import RecordingFiles, files_of
-from pointbrush.sequences.source_fields import (
+from pointbrush.sequences.storage.frame_files import (
+    FRAMES,
+    CopiedFiles,
+    MappedFiles,
+    open_frame_files,
+)
+from pointbrush.sequences.storage.recording_files import RecordingFiles, files_of
+from pointbrush.sequences.storage.source_fields import (
     FIELDS,
     read_rows,
     read_source_fields,

@@ -14,11 +14,11 @@ from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.blocks import Blocks
-from pointbrush.sequences.cache import Cache
 from pointbrush.sequences.depth.lattice import Lattice
-from pointbrush.sequences.frame_files import CopiedFiles, MappedFiles
-from pointbrush.sequences.manifest import Manifest
 from pointbrush.sequences.octree.coordinates import Coordinates
+from pointbrush.sequences.storage.cache import Cache
+from pointbrush.sequences.storage.frame_files import CopiedFiles, MappedFiles
+from pointbrush.sequences.storage.manifest import Manifest
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree

@@ -25,7 +25,6 @@ from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system import shortages_in_words
-from pointbrush.work.compiling import Progress, StepName
 from pointbrush.work.events import (
     ClassesRenamed,
     Compiling,
@@ -35,6 +34,7 @@ from pointbrush.work.events import (
     Retracted,
     SequencesChanged,
 )
+from pointbrush.work.loops.compiling import Progress, StepName
 from pointbrush.workspace import Workspace
 
 logger = logging.getLogger(__name__)

@@ -12,7 +12,7 @@ from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.work.compiling import LOOK_SECONDS
+from pointbrush.work.loops.compiling import LOOK_SECONDS
 from pointbrush.work.objects import Answer
 
 

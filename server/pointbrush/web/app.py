@@ -33,7 +33,7 @@ from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
-from pointbrush.work.backup_series import BackupSchedule, BackupSeries
+from pointbrush.work.backups.series import BackupSchedule, BackupSeries
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.work.objects import StaleCandidateError
 from pointbrush.workspace import Workspace

@@ -8,13 +8,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, model_validator
 
 from pointbrush.formats import format_names
-from pointbrush.formats.corrections import (
+from pointbrush.formats.tables.corrections import (
     LARGEST_SCALE,
     MOST_COLUMNS,
     Corrections,
     parse_corrections,
 )
-from pointbrush.formats.names import DELIMITERS
+from pointbrush.formats.tables.names import DELIMITERS
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.options import chosen
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid

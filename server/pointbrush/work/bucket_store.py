@@ -1,4 +1,4 @@
-"""Recordings of a workspace in object storage; see ``sequences/bucket.py``.
+"""Recordings of a workspace in object storage; see ``sequences/storage/bucket.py``.
 
 Another server's change of a name, rate or floor is visible within ``FRESH_SECONDS``.  While the
 store does not answer, known recordings and cached frames are still served.
@@ -21,11 +21,16 @@ from pointbrush.errors import PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
 from pointbrush.permissions import make_private
 from pointbrush.sequences import Manifest, clean_temporary
-from pointbrush.sequences.bucket import Bucket
-from pointbrush.sequences.bucket_files import BucketFiles
-from pointbrush.sequences.files import staged
-from pointbrush.sequences.manifest import FILE, changed_manifest, encode_manifest, parse_manifest
-from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.sequences.storage.bucket import Bucket
+from pointbrush.sequences.storage.bucket_files import BucketFiles
+from pointbrush.sequences.storage.files import staged
+from pointbrush.sequences.storage.manifest import (
+    FILE,
+    changed_manifest,
+    encode_manifest,
+    parse_manifest,
+)
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.folder_store import Progress, make_folder
 
 log = logging.getLogger(__name__)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.job import Job
 from pointbrush.labels import Commit
-from pointbrush.work.compiling import Progress, StepName
+from pointbrush.work.loops.compiling import Progress, StepName
 
 if TYPE_CHECKING:
     from pointbrush.tracking import FrameResult

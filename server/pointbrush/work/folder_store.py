@@ -14,10 +14,10 @@ from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
 from pointbrush.permissions import writable
 from pointbrush.sequences import Manifest, clean_temporary, update_manifest
-from pointbrush.sequences.files import room_for, staged, sync_folder
-from pointbrush.sequences.frame_files import FRAMES
-from pointbrush.sequences.manifest import FILE
-from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
+from pointbrush.sequences.storage.files import room_for, staged, sync_folder
+from pointbrush.sequences.storage.frame_files import FRAMES
+from pointbrush.sequences.storage.manifest import FILE
+from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
 from pointbrush.work.trash import Trash
 
 Progress = Callable[[float, str], None]

@@ -11,8 +11,8 @@ from pointbrush.errors import BadInputError, DamagedError, NotFoundError
 from pointbrush.names import SCRATCH, is_plain
 from pointbrush.sequences import Manifest, open_sequence
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.manifest import FILE
-from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.sequences.storage.manifest import FILE
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.folder_store import SequenceStore, Version
 
 LABELS_ALONE = "labels without their recording, whose files are missing"

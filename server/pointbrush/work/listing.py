@@ -18,7 +18,7 @@ from pointbrush.labels.project_tables import FIRST
 from pointbrush.labels.summaries import Search
 from pointbrush.names import SCRATCH
 from pointbrush.sequences import Manifest, note_checksums, verify
-from pointbrush.sequences.checksums import CHECKSUMS
+from pointbrush.sequences.storage.checksums import CHECKSUMS
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from pointbrush.formats.datasets import Dataset
+from pointbrush.formats.tables.datasets import Dataset
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette, default_color
 from pointbrush.labels.selection import require_allowed

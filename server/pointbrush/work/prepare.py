@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 
-from pointbrush.work.compiling import (
+from pointbrush.work.loops.compiling import (
     DONE,
     LOOK_SECONDS,
     STEPS,
@@ -39,7 +39,7 @@ def _compile(step: StepName, report: Report) -> bool:
         if note is None:
             return False
         if not are_compiled([step]):
-            from pointbrush.work.loop_steps import run_step  # imports all modules with loops
+            from pointbrush.work.loops.steps import run_step  # imports all modules with loops
 
             def on_progress(progress: Progress) -> None:
                 note(progress)

@@ -15,7 +15,7 @@ from pointbrush.errors import PointbrushError
 from pointbrush.labels import Known
 from pointbrush.names import composed, is_plain
 from pointbrush.sequences import Manifest, read_manifest, update_manifest
-from pointbrush.sequences.files import sync_folder
+from pointbrush.sequences.storage.files import sync_folder
 
 FOLDER = ".deleted"
 LOCK = ".lock"

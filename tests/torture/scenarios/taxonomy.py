@@ -11,7 +11,7 @@ import httpx
 import numpy as np
 from sqlalchemy import delete
 
-from pointbrush.formats.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
+from pointbrush.formats.tables.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
 from pointbrush.labels.database import Database
 from pointbrush.labels.schema import categories, dataset_numbers
 from tests.serving import add_sequence, settings_in

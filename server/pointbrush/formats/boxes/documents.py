@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.options import read_bytes
-from pointbrush.formats.parsing import parse_json
+from pointbrush.formats.tables.parsing import parse_json
 
 
 def document(path: Path) -> Any:

@@ -24,7 +24,7 @@ from pointbrush.formats.boxes.drives import (
 from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
-from pointbrush.formats.feather import PLACE, POSES, STAMP
+from pointbrush.formats.readers.feather import PLACE, POSES, STAMP
 from pointbrush.quaternions import quaternion_of
 
 Floats = NDArray[np.float64]

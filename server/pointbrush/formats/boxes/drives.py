@@ -13,10 +13,10 @@ from pointbrush.formats.boxes.attributes import of_dotted
 from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import vector
 from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
-from pointbrush.formats.feather import PLACE, read_table
-from pointbrush.formats.nuscenes import rigid, rows_by_token, tables_in, world_from_sensor
+from pointbrush.formats.geometry.poses import of_quaternion
 from pointbrush.formats.options import Limits, require_count
-from pointbrush.formats.poses import of_quaternion
+from pointbrush.formats.readers.feather import PLACE, read_table
+from pointbrush.formats.readers.nuscenes import rigid, rows_by_token, tables_in, world_from_sensor
 from pointbrush.oriented_box import AttributeValue
 
 SIZES = ("length_m", "width_m", "height_m")

@@ -14,10 +14,10 @@ from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import lines_of_words
 from pointbrush.formats.boxes.editors import labelcloud_format
 from pointbrush.formats.boxes.figures import FrameBox, FrameBoxes
-from pointbrush.formats.kitti_cameras import camera_from_velodyne, read_calibration
+from pointbrush.formats.cameras.kitti_cameras import camera_from_velodyne, read_calibration
+from pointbrush.formats.geometry.poses import rigid_of
 from pointbrush.formats.options import read_bytes
-from pointbrush.formats.parsing import parse_xml
-from pointbrush.formats.poses import rigid_of
+from pointbrush.formats.tables.parsing import parse_xml
 
 Floats = NDArray[np.float64]
 CALIBRATIONS = ("calib.txt", "calib_velo_to_cam.txt")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
-from pointbrush.sequences.files import write_file
+from pointbrush.sequences.storage.files import write_file
 from pointbrush.system import shortage
 
 MAGIC = b"PBARRAY2"

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import to_local
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.order import MAX_POINTS
 from pointbrush.sequences.octree.quantise import base_step, coarsest_step
+from pointbrush.sequences.wire.chunk import Grid
 
 FAR = 1024.0
 """Coordinates beyond this (metres) are shifted: float32 is coarser than 0.1 mm there."""

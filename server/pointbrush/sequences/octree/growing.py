@@ -14,9 +14,9 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.sequences.files import write_all, write_file
 from pointbrush.sequences.octree.ahead import WORKERS
 from pointbrush.sequences.octree.segment import Segment
+from pointbrush.sequences.storage.files import write_all, write_file
 
 _COPY = 1 << 24
 _WORD = np.dtype("<u8")

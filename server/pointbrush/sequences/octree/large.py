@@ -18,12 +18,12 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.octree.ahead import WORKERS, ahead
 from pointbrush.sequences.octree.growing import LargeWriter
 from pointbrush.sequences.octree.partition import CELL_ROWS, Cell, Groups, Key, Partition
 from pointbrush.sequences.octree.rows import Part, Parts, Rows
 from pointbrush.sequences.octree.segment import Segment, encode_cube
+from pointbrush.sequences.wire.chunk import Grid
 
 _SCAN_SHARE = 0.5
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences.chunk import Grid
 from pointbrush.sequences.columns import POINT_FIELDS, frame_meta, to_local
 from pointbrush.sequences.octree.coordinates import scaling_of
 from pointbrush.sequences.octree.order import bounds
 from pointbrush.sequences.octree.partition import Groups, edge_exponent, group
+from pointbrush.sequences.wire.chunk import Grid
 
 MAX_SOURCE_POINTS = 2**32 - 1
 

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.sequences import blocks
-from pointbrush.sequences.chunk import Grid, encode_chunks, wire_colors
 from pointbrush.sequences.columns import POINT_FIELDS, gather, to_local
 from pointbrush.sequences.octree.coordinates import pack_coordinates
 from pointbrush.sequences.octree.nodes import Node, build, hand_up, sort_codes
 from pointbrush.sequences.octree.order import morton_codes
 from pointbrush.sequences.octree.packed import Packed
 from pointbrush.sequences.octree.rows import Rows
+from pointbrush.sequences.wire.chunk import Grid, encode_chunks, wire_colors
 
 
 @dataclass(frozen=True, slots=True, eq=False)

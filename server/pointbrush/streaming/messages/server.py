@@ -27,7 +27,7 @@ from pointbrush.streaming.messages.values import (
     Uuid,
     Vec3,
 )
-from pointbrush.work.compiling import StepName
+from pointbrush.work.loops.compiling import StepName
 
 
 class Welcome(Message):

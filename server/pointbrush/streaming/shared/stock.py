@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pointbrush.sequences import Sequence, StoredFrame
-from pointbrush.sequences.residence import can_tell, in_memory, read_in
+from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.encoding import encode_depth, encode_frame
 from pointbrush.streaming.table import FrameTable, Piece
 

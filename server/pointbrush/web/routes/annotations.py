@@ -13,9 +13,9 @@ from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
-from pointbrush.formats.class_maps import parse_map
 from pointbrush.formats.inside import allowed
-from pointbrush.formats.names import LABEL_FORMATS
+from pointbrush.formats.tables.class_maps import parse_map
+from pointbrush.formats.tables.names import LABEL_FORMATS
 from pointbrush.job import Job
 from pointbrush.options import chosen
 from pointbrush.streaming.messages import Uuid

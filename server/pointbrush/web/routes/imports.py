@@ -19,7 +19,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
-from pointbrush.formats.names import POSES
+from pointbrush.formats.tables.names import POSES
 from pointbrush.labels.project_tables import FIRST
 from pointbrush.web.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.context import ProjectId, Ws

@@ -8,7 +8,7 @@ from fastapi import Query, Response
 from pydantic import BaseModel, Field
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.datasets import DATASETS, dataset_named
+from pointbrush.formats.tables.datasets import DATASETS, dataset_named
 from pointbrush.names import spelled_out
 from pointbrush.streaming.messages import Color, LabelId, Uuid
 from pointbrush.web.auth import Caller, resource

@@ -10,7 +10,7 @@ import numpy as np
 
 from pointbrush import formats
 from pointbrush.formats.boxes.scene import SceneFrame, View, by_frame
-from pointbrush.formats.exports.labeled import category_of
+from pointbrush.formats.writers.labeled import category_of
 from pointbrush.labels import LabelStore
 from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording

@@ -24,7 +24,7 @@ from pointbrush.labels.boxes import BoxEdit
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.observing import observed
 from pointbrush.worker import Channel

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pointbrush.classify.classifier import Classifier, from_file, to_file
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.sequences.files import replace_file
+from pointbrush.sequences.storage.files import replace_file
 from pointbrush.work.trash import ids_for
 
 _ID = re.compile(r"[a-z0-9][a-z0-9._-]{0,63}")

@@ -12,7 +12,7 @@ from pointbrush.classify.features import ExampleFrame
 from pointbrush.ranges import ranges
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
-from pointbrush.sequences.manifest import Manifest
+from pointbrush.sequences.storage.manifest import Manifest
 from pointbrush.work.objects.frames import sensor_of
 
 Numbers = NDArray[np.int64]

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.datasets import ClassName
+from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.labels import Label
 from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.palette import HIGHEST, Called, Palette, default_color

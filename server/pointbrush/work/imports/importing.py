@@ -10,18 +10,18 @@ from typing import Any
 
 from pointbrush import formats
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.las import read_chunks
-from pointbrush.formats.las_header import read_header
-from pointbrush.formats.matching import Origin, listed
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.formats.palette import own_labels
-from pointbrush.formats.timing import ASSUMED
+from pointbrush.formats.readers.las import read_chunks
+from pointbrush.formats.readers.las_header import read_header
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.palette import own_labels
+from pointbrush.formats.times.matching import Origin, listed
+from pointbrush.formats.times.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
-from pointbrush.sequences.manifest import note_import, update_manifest
 from pointbrush.sequences.room import nearest_axis
+from pointbrush.sequences.storage.manifest import note_import, update_manifest
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.worker import Channel
 

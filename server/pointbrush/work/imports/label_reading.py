@@ -28,22 +28,22 @@ from pointbrush.formats.boxes.figures import (
 )
 from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
 from pointbrush.formats.boxes.scene import BoxTrack, label_of, tracked
-from pointbrush.formats.class_maps import ClassNumbers
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.datasets import ClassName
 from pointbrush.formats.inside import require_inside
-from pointbrush.formats.matching import FrameName, frames_of_numbers, match, matched
-from pointbrush.formats.nuscenes import label_times
 from pointbrush.formats.own_export import OwnExport
-from pointbrush.formats.palette import SourceLabel
 from pointbrush.formats.point_labels import PointLabels
-from pointbrush.formats.s3dis import Objects, numbers_at
+from pointbrush.formats.readers.nuscenes import label_times
+from pointbrush.formats.readers.s3dis import Objects, numbers_at
 from pointbrush.formats.source import reported
+from pointbrush.formats.tables.class_maps import ClassNumbers
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.datasets import ClassName
+from pointbrush.formats.tables.palette import SourceLabel
+from pointbrush.formats.times.matching import FrameName, frames_of_numbers, match, matched
 from pointbrush.labels.box_journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.manifest import Manifest
-from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.sequences.storage.manifest import Manifest
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.datasets import SEMANTIC_KITTI, ClassName
-from pointbrush.formats.palette import SourceLabel
+from pointbrush.formats.tables.datasets import SEMANTIC_KITTI, ClassName
+from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.labels import LabelStore
 
 Key = tuple[int, int]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.names import LABEL_FORMATS
+from pointbrush.formats.tables.names import LABEL_FORMATS
 from pointbrush.options import choice
 
 BOTH, KEEP, POINTS = "both", "keep", "points"

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, UnavailableError
-from pointbrush.formats.alignment import agree_better_without
-from pointbrush.formats.bag import SENSOR
-from pointbrush.formats.las import read_chunks
+from pointbrush.formats.cameras.pictures import PictureSource
+from pointbrush.formats.geometry.alignment import agree_better_without
 from pointbrush.formats.listing import Listing
 from pointbrush.formats.options import Limits, ReadOptions
-from pointbrush.formats.pictures import PictureSource
+from pointbrush.formats.readers.las import read_chunks
 from pointbrush.formats.registry import format_named
+from pointbrush.formats.ros.bag import SENSOR
 from pointbrush.formats.source import Source, open_source, reported
-from pointbrush.formats.timing import ASSUMED
+from pointbrush.formats.times.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import nearest_axis

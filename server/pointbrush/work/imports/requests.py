@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.formats.corrections import Corrections
-from pointbrush.formats.timing import natural_key
+from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.times.timing import natural_key
 from pointbrush.job import ENDED, Job
 from pointbrush.labels.project_tables import FIRST
 

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.datasets import DATASETS, ClassName
-from pointbrush.formats.palette import SourceLabel
+from pointbrush.formats.tables.datasets import DATASETS, ClassName
+from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.palette import Palette
 from pointbrush.labels.types import IMPORTED

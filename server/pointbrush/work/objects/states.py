@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.selection import Points
 from pointbrush.selection.selectors import StateLostError, StoredSelector
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.cache import Cache
+from pointbrush.sequences.storage.cache import Cache
 from pointbrush.work.events import Prepared
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import near, object_frame

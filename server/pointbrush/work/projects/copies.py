@@ -13,8 +13,8 @@ import numpy as np
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.copies import CopyKind
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.manifest import rename_sequence
-from pointbrush.sequences.recording_files import FolderFiles, RecordingFiles
+from pointbrush.sequences.storage.manifest import rename_sequence
+from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
 from pointbrush.work.imports.source_labels import came_with_files, edit_of
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for

@@ -14,7 +14,7 @@ from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
-from pointbrush.sequences.recording_files import RecordingFiles
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.tracking import (
     METHODS,
     FrameKnowledge,
@@ -24,7 +24,7 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
-from pointbrush.work.compiling import Progress, StepName
+from pointbrush.work.loops.compiling import Progress, StepName
 from pointbrush.work.prepare import ensure_compiled
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of

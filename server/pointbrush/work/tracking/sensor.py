@@ -8,8 +8,8 @@ from dataclasses import asdict
 
 from pointbrush.errors import BadInputError
 from pointbrush.sequences import Sequence
-from pointbrush.sequences.checksums import SENSOR
-from pointbrush.sequences.files import replace_file
+from pointbrush.sequences.storage.checksums import SENSOR
+from pointbrush.sequences.storage.files import replace_file
 from pointbrush.tracking.duplicates import DistinctFrames
 from pointbrush.tracking.interface import KnownSensor
 from pointbrush.tracking.options import TrackerOptions

@@ -10,7 +10,7 @@ from typing import Any
 import sqlalchemy as sa
 from alembic import op
 
-from pointbrush.formats.numbering import official_numbers, plain
+from pointbrush.formats.tables.numbering import official_numbers, plain
 
 revision = "0021"
 down_revision = "0020"

@@ -1,0 +1,1 @@
+"""Poses of sensors, and the alignment of frames."""

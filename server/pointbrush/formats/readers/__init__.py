@@ -1,0 +1,1 @@
+"""Readers of files of points, one module for each format."""

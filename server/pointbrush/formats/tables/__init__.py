@@ -1,0 +1,1 @@
+"""Columns of points: their roles, names and numbers, and the classes of label files."""

@@ -1,0 +1,1 @@
+"""Times of frames: clocks, order, and matching of files to frames."""

@@ -1,0 +1,67 @@
+"""Whole boxes of labels in formats for detection, see ``formats.boxes.writing``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from itertools import chain
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.formats.boxes.drive_writing import ego_from_source
+from pointbrush.formats.boxes.scene import Scene, SceneFrame
+from pointbrush.formats.boxes.writing import BoxWriting
+from pointbrush.formats.writers.about import PLACEMENT, TIMES
+from pointbrush.formats.writers.labeled import ExportFrame, Palette, category_of
+from pointbrush.formats.writers.output import Output
+from pointbrush.formats.writers.points import write_palette
+
+
+def write_whole_boxes(
+    kind: BoxWriting, frames: Iterable[ExportFrame], palette: Palette, output: Output
+) -> dict[str, Any]:
+    """Write the boxes of frames in a format; return the times and placement of the frames."""
+    told: dict[str, Any] = {"extent": "whole", TIMES: {}}
+    waiting = iter(frames)
+    first = next(waiting, None)
+    if first is None:
+        return told
+
+    def counted() -> Iterator[SceneFrame]:
+        for frame in chain([first], waiting):
+            with_points = _counted(frame)
+            told[TIMES][frame.index] = with_points.time
+            if kind.level:
+                told.setdefault(PLACEMENT, ego_from_source(with_points).tolist())
+            yield with_points
+
+    for name, content in kind.write(counted(), scene_of(palette, first.recording)):
+        with output.file(name) as file:
+            file.write(content)
+    write_palette(palette, output)
+    return told
+
+
+def scene_of(palette: Palette, recording: str) -> Scene:
+    """Describe the classes of a palette, each in the colour of its first label."""
+    colors: dict[str, str] = {}
+    for entry in palette.entries:
+        colors.setdefault(category_of(entry), entry.color)
+    return Scene(recording or "recording", colors)
+
+
+def boxes_of(frame: ExportFrame) -> SceneFrame:
+    """Return the boxes of a frame, or none if it has no boxes."""
+    return frame.boxes or SceneFrame(frame.index, frame.stem, float(frame.index), (), up=frame.up)
+
+
+def _counted(frame: ExportFrame) -> SceneFrame:
+    """Count the points of a frame that are in each of its boxes, deleted ones left out."""
+    found = boxes_of(frame)
+    total: NDArray[np.int64] = np.zeros(len(found.boxes), np.int64)
+    for block in frame.blocks() if found.boxes else ():
+        xyz = block.points.xyz[block.keep].astype(np.float64)
+        total += [int(np.count_nonzero(box.inside(xyz))) for box in found.boxes]
+    return replace(found, points=tuple(total.tolist()))

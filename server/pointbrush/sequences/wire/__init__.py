@@ -1,0 +1,1 @@
+"""The coding of points for the socket: quantised positions, colours and fields in chunks."""

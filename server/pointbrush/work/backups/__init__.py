@@ -1,0 +1,1 @@
+"""Backups of a workspace: one archive, or a series with expiry."""

@@ -1,0 +1,1 @@
+"""Compiling of the loops over points, once on each machine."""
