@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Write
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry
+from pointbrush.teamwork.store import WorkspaceStore
 
 POINTS = 217_088
 FRAMES = 90
@@ -33,9 +34,9 @@ def stroke(rng: np.random.Generator, runs: int, length: int) -> NDArray[np.int64
     return np.unique((starts[:, None] + np.arange(length)).ravel())
 
 
-def fill(store: LabelStore, sequence: str, edits: int) -> None:
+def fill(store: WorkspaceStore, sequence: str, edits: int) -> None:
     """Give a sequence a long history, many edits in a transaction; half of it in frame 0."""
-    sessions = store._sessions
+    sessions = store._open_recordings
     rng = np.random.default_rng(1)
     with sessions.knowing(sequence) as state:
         pass
@@ -57,7 +58,7 @@ def timed(work: Callable[[], object]) -> tuple[float, float]:
     return (time.perf_counter() - start) * 1e3, (time.thread_time() - busy) * 1e3
 
 
-def paint(store: LabelStore, sequence: str, points: NDArray[np.int64], label: int) -> None:
+def paint(store: WorkspaceStore, sequence: str, points: NDArray[np.int64], label: int) -> None:
     """One stroke, durable."""
     store.apply(
         sequence,
@@ -95,7 +96,7 @@ def bare_commit(path: Path) -> Callable[[], object]:
     return commit
 
 
-def strokes(store: LabelStore, count: int, commit: Callable[[], object] | None) -> None:
+def strokes(store: WorkspaceStore, count: int, commit: Callable[[], object] | None) -> None:
     """Strokes and undos, alternately in both sequences, so that the machine's load is shared."""
     rng = np.random.default_rng(2)
     drawn: dict[str, list[tuple[float, float]]] = {"empty": [], "long": []}
@@ -118,12 +119,12 @@ def strokes(store: LabelStore, count: int, commit: Callable[[], object] | None) 
     row("undo of it, long history", undone["long"])
 
 
-def others(store: LabelStore, url: str) -> None:
+def others(store: WorkspaceStore, url: str) -> None:
     """Opening, reading, a tracking run over all frames."""
     rng = np.random.default_rng(3)
 
     def reopen() -> None:
-        again = LabelStore(url)
+        again = WorkspaceStore(url)
         again.palette("long")
         again.counts("long")
         again.values("long", 0)
@@ -154,7 +155,7 @@ def main() -> None:
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         url = given.database or f"sqlite:///{Path(folder) / 'labels.sqlite'}"
-        store = LabelStore(url)
+        store = WorkspaceStore(url)
         for sequence in ("empty", "long"):
             store.forget(sequence)
             store.recordings.register(sequence, [POINTS] * FRAMES)

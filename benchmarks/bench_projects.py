@@ -26,10 +26,10 @@ import numpy as np
 
 from pointbrush.client import Client
 from pointbrush.labels import Write
-from pointbrush.labels.projects import Change
-from pointbrush.labels.tasks import Stretch
 from pointbrush.sequences.storage.manifest import rename_sequence
 from pointbrush.settings import Settings
+from pointbrush.teamwork.projects import Change
+from pointbrush.teamwork.tasks import Stretch
 from pointbrush.workspace import Workspace
 from tests.serving import TOKEN, add_sequence, serving, settings_in
 

@@ -23,7 +23,12 @@ from tests.waiting import PATIENCE, eventually
 FORKSERVER = multiprocessing.get_context("forkserver")
 FORKSERVER.set_forkserver_preload(
     [
-        *("pointbrush.cli", "pointbrush.web.server", "pointbrush.labels.schema", "alembic.command"),
+        *(
+            "pointbrush.cli",
+            "pointbrush.web.server",
+            "pointbrush.database.schema",
+            "alembic.command",
+        ),
         *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
         *("pointbrush.work.tracking.runs", "pointbrush.tracking.tracker"),
         *("psycopg", "pytest", "sqlalchemy.dialects.postgresql.psycopg"),

@@ -13,8 +13,8 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import Connection, Table, inspect, select
 
-from pointbrush.labels.database import Database
-from pointbrush.labels.schema import MIGRATIONS, metadata
+from pointbrush.database.database import Database
+from pointbrush.database.schema import MIGRATIONS, metadata
 from pointbrush.sequences.storage.manifest import checksum
 from pointbrush.settings import Settings
 from tests.serving import settings_in

@@ -20,7 +20,7 @@ from pathlib import Path
 import psycopg
 import pytest
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.ports import free_port
 from tests.waiting import eventually
 
@@ -87,7 +87,7 @@ class PostgresServer:
         """The URL of a new label database, as copied from one: all migrations take long."""
         if self._labels is None:
             self._labels = self.new_database()
-            LabelStore(self._labels).close()
+            WorkspaceStore(self._labels).close()
         with psycopg.connect(self.url(), autocommit=True) as connection:
             template, name = self._labels.rpartition("/")[2], f"t{uuid.uuid4().hex[:12]}"
             others = "SELECT 1 FROM pg_stat_activity WHERE datname = %s"

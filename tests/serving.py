@@ -13,9 +13,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.labels import LabelStore
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.web.app import create_app
 from pointbrush.web.server import Server, config, listen
 from pointbrush.workspace import Workspace
@@ -66,7 +66,7 @@ def new_labels() -> bytes:
     """The file of a label database without recordings: all migrations take long."""
     with TemporaryDirectory() as folder:
         path = Path(folder) / "labels.sqlite"
-        LabelStore(f"sqlite:///{path}").close()
+        WorkspaceStore(f"sqlite:///{path}").close()
         return path.read_bytes()
 
 

@@ -16,8 +16,8 @@ import plyfile
 import pytest
 
 from pointbrush.cli import main
-from pointbrush.labels.projects import Change
 from pointbrush.settings import Settings
+from pointbrush.teamwork.projects import Change
 from pointbrush.workspace import Workspace
 from tests.faults.server import running
 from tests.serving import settings_in

@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pointbrush import arguments, printing
+from pointbrush.accounts.people import expiry_of
+from pointbrush.database.integrity import check_database
 from pointbrush.errors import (
     BadInputError,
     NotFoundError,
@@ -21,8 +23,6 @@ from pointbrush.errors import (
     UnavailableError,
 )
 from pointbrush.following import follow
-from pointbrush.labels import check_database
-from pointbrush.labels.people import expiry_of
 from pointbrush.options import chosen, has_password
 from pointbrush.permissions import open_to_others
 from pointbrush.printing import Answer

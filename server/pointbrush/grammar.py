@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args, get_origin
 
 from pointbrush import __version__
+from pointbrush.accounts.roles import ROLES
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.options import UNBOUNDED, Option, options_of
-from pointbrush.roles import ROLES
 from pointbrush.settings import CLIENTS, EVERYWHERE, GROUPS, STORES, options
 from pointbrush.work.imports.options import SAMPLES, LabelOptions
 from pointbrush.work.tracking.options import RunOptions

@@ -12,15 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from pointbrush import formats
+from pointbrush.database.database import Limits
 from pointbrush.errors import BadInputError, ReadOnlyError
 from pointbrush.jobs import JobRunner
-from pointbrush.labels import LabelStore, Limits
 from pointbrush.lazy import once
 from pointbrush.permissions import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
 from pointbrush.system import require_room
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work import exporting, thumbnails
 from pointbrush.work.annotate import flooring
 from pointbrush.work.annotate.accepting import Verdicts
@@ -52,10 +53,10 @@ from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
+    from pointbrush.teamwork.delivering import Hooks
     from pointbrush.work.boxes.front import Fitting
     from pointbrush.work.classifiers.front import ClassifierFront
     from pointbrush.work.projects.agreeing import Agreeing
-    from pointbrush.work.projects.delivering import Hooks
     from pointbrush.work.projects.queue import Queue
     from pointbrush.work.projects.service import Projects
     from pointbrush.work.projects.versions import Versions
@@ -86,7 +87,7 @@ class Workspace:
         self._listeners = Listeners()
         publish, self.recording = self._listeners.tell, self.library.recording
         limits = Limits(settings.statement_seconds, settings.keepalive_seconds)
-        self.labels = LabelStore(settings.database_url, limits=limits)
+        self.labels = WorkspaceStore(settings.database_url, limits=limits)
         note_made(settings.workspace, settings.database_url)
         self._unsubscribe = self.labels.subscribe(publish)
         self.runner = JobRunner(
@@ -251,7 +252,7 @@ class Workspace:
     @once
     def hooks(self) -> Hooks:
         """Return the service for webhooks of projects."""
-        from pointbrush.work.projects.delivering import Hooks
+        from pointbrush.teamwork.delivering import Hooks
 
         return Hooks(self.labels.team.webhooks, private=self.settings.webhook_private)
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, expect
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.e2e.desk import Desk, launch
 from tests.e2e.geometry import cut, overlaps
 from tests.e2e.recording import SEQUENCE, painted
@@ -265,7 +265,7 @@ def test_help_lists_every_key_and_closes(desk: Desk) -> None:
 def test_keys_of_ones_own_are_a_persons_in_every_browser(
     browser: Browser, server: LiveServer
 ) -> None:
-    with closing(LabelStore(f"sqlite:///{server.workspace / 'labels.sqlite'}")) as labels:
+    with closing(WorkspaceStore(f"sqlite:///{server.workspace / 'labels.sqlite'}")) as labels:
         token = labels.tokens.add("viewer", "ada")
     for n in range(2):
         desk = launch(browser, f"{server.url}/?token={token}")

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import select
 
-from pointbrush.labels.database import Database
+from pointbrush.database.database import Database
+from pointbrush.database.schema import edit_blocks, edit_tracks
 from pointbrush.labels.packing import LABELS, decode_change, label_of, provenance_of
-from pointbrush.labels.schema import edit_blocks, edit_tracks
 from pointbrush.sequences import open_sequence
 from tests.faults.clients import SEQUENCE, Asked, Edit, Person
 from tests.labels.label_model import Edit as ModelEdit

@@ -15,7 +15,7 @@ import pytest
 from postgres import PostgresServer, postgres_server, postgres_url  # noqa: F401  # fixtures
 from waiting import PATIENCE, eventually
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.server import TOKEN, ServerProcess, running
 from tests.serving import add_sequence, settings_in
 
@@ -39,7 +39,7 @@ def server(tmp_path: Path) -> Iterator[ServerProcess]:
 
 
 def viewer_token(server: ServerProcess, name: str) -> str:
-    store = LabelStore(f"sqlite:///{server.workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{server.workspace / 'labels.sqlite'}")
     try:
         return store.tokens.add("viewer", name)
     finally:

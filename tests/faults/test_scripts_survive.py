@@ -16,7 +16,7 @@ import pytest
 
 from pointbrush.client import AsyncClient, Client
 from pointbrush.errors import UnavailableError
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import SEQUENCE
 from tests.faults.server import TOKEN, ServerProcess
 from tests.faults.torture import make_workspace
@@ -178,7 +178,7 @@ def test_a_job_of_an_id_is_begun_once(restarted: Restarted, tmp_path: Path) -> N
         assert (wrong.status_code, wrong.json()["detail"].split(":")[0]) == (422, "id")
         eventually(lambda: api.get(f"/jobs/{job}").json()["state"] == "done", FAR)
         assert len(api.get("/jobs").json()) == 1
-    store = LabelStore(f"sqlite:///{tmp_path / 'workspace' / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{tmp_path / 'workspace' / 'labels.sqlite'}")
     token = store.tokens.add("annotator", "eve", None)
     store.close()
     with restarted.server.api(token) as other:

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.labels import LabelStore
 from pointbrush.sequences import import_frames
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import FRAMES, SEQUENCE, Person
 from tests.faults.replay import Replay
 from tests.faults.server import ServerProcess
@@ -66,7 +66,7 @@ def invite(
     workspace: Path, seed: int, *, names: Sequence[str] = NAMES, database: str = ""
 ) -> list[Person]:
     """People with tokens of their own, every other one at the socket; and three labels."""
-    store = LabelStore(database or f"sqlite:///{workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(database or f"sqlite:///{workspace / 'labels.sqlite'}")
     store.recordings.register(SEQUENCE, [400] * FRAMES)
     for name in ("one", "two", "three"):
         store.create_label(SEQUENCE, "setup", name=name)

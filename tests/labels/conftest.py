@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
-from pointbrush.labels import LabelStore, Write, writer
+from pointbrush.labels import Write, writer
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.serving import new_labels
 
 POINTS = [150_000, 70_000, 10, 0]
@@ -35,16 +36,16 @@ def empty_url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def store(url: str) -> Iterator[LabelStore]:
+def store(url: str) -> Iterator[WorkspaceStore]:
     """A store with one sequence of POINTS."""
-    opened = LabelStore(url)
+    opened = WorkspaceStore(url)
     opened.recordings.register(SEQUENCE, POINTS)
     yield opened
     opened.close()
 
 
 @pytest.fixture
-def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
+def filled(store: WorkspaceStore, monkeypatch: pytest.MonkeyPatch) -> WorkspaceStore:
     """Six edits with tracks, one undone, and snapshots of their blocks."""
     monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 2)
     for name in ("one", "two"):
@@ -61,5 +62,5 @@ def filled(store: LabelStore, monkeypatch: pytest.MonkeyPatch) -> LabelStore:
             tracks=[{"frame": 0, "label": 1, "n": number}],
         )
     store.undo(SEQUENCE, "ann")
-    store._sessions.upkeep.close()  # its snapshots are written
+    store._open_recordings.upkeep.close()  # its snapshots are written
     return store

@@ -11,7 +11,8 @@ from typing import Any
 from random_edits import AUTHORS, apply_to_store, random_edit
 
 from pointbrush.errors import PointbrushError
-from pointbrush.labels import LabelStore, writer
+from pointbrush.labels import writer
+from pointbrush.teamwork.store import WorkspaceStore
 
 SPEAKING = threading.Lock()
 
@@ -21,7 +22,7 @@ def say(**fields: Any) -> None:
         print(json.dumps(fields), flush=True)
 
 
-def work(store: LabelStore, sequence: str, author: str, rng: random.Random) -> None:
+def work(store: WorkspaceStore, sequence: str, author: str, rng: random.Random) -> None:
     while True:
         edit, edit_id = random_edit(rng), str(uuid.UUID(int=rng.getrandbits(128)))
         say(asked=edit_id, author=author, edit=edit)
@@ -35,7 +36,7 @@ def work(store: LabelStore, sequence: str, author: str, rng: random.Random) -> N
 
 def edit_together(url: str, sequence: str, seed: int) -> None:
     writer.SNAPSHOT_EVERY = 4
-    store = LabelStore(url)
+    store = WorkspaceStore(url)
     say(ready=True)
 
     def begin(author: str) -> threading.Thread:

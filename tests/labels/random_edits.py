@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from label_model import Model
 
-from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels import Commit, Write
 from pointbrush.labels.versions import PastLabels
 from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.teamwork.store import WorkspaceStore
 
 PLACES = [0, 1, 2, 3, 4, 5, 65_534, 65_535, 65_536, 65_537]
 POINTS = [65_540, 65_540, 20]
@@ -37,14 +38,14 @@ def random_edit(rng: random.Random) -> dict[str, Any]:
     return edit
 
 
-def _made(store: LabelStore, sequence: str, edit_id: str) -> Commit:
+def _made(store: WorkspaceStore, sequence: str, edit_id: str) -> Commit:
     commit = store.find(sequence, edit_id)
     assert commit is not None
     return commit
 
 
 def apply_to_store(
-    store: LabelStore, sequence: str, author: str, edit_id: str, edit: dict[str, Any]
+    store: WorkspaceStore, sequence: str, author: str, edit_id: str, edit: dict[str, Any]
 ) -> Commit:
     """Do the edit."""
     match edit["kind"]:
@@ -113,7 +114,7 @@ def apply_to_model(model: Model, author: str, edit_id: str, edit: dict[str, Any]
             model.write(author, where, *_values(edit), tracks=tracks)
 
 
-def differences(store: LabelStore, sequence: str, model: Model) -> list[str]:
+def differences(store: WorkspaceStore, sequence: str, model: Model) -> list[str]:
     """Where a store differs from the model."""
     found: dict[tuple[int, int], tuple[int, int, bool]] = {}
     for frame in range(len(POINTS)):
@@ -150,7 +151,7 @@ def place_at(x: float) -> dict[str, list[float]]:
 
 
 def boxes_of(
-    store: LabelStore | PastLabels, sequence: str
+    store: WorkspaceStore | PastLabels, sequence: str
 ) -> dict[int, tuple[int, dict[int, float]]]:
     """The boxes of a store as the model has them."""
     return {

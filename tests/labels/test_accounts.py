@@ -6,10 +6,10 @@ import pytest
 from sqlalchemy import text
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 
 
-def test_a_secret_lets_in_and_is_not_stored(store: LabelStore) -> None:
+def test_a_secret_lets_in_and_is_not_stored(store: WorkspaceStore) -> None:
     secret = store.tokens.add("annotator", "Ada")
     token = store.tokens.check(secret)
     assert token is not None
@@ -21,12 +21,12 @@ def test_a_secret_lets_in_and_is_not_stored(store: LabelStore) -> None:
 
 
 @pytest.mark.parametrize("wrong", ["", "x", "\udcff", "a" * 10_000])
-def test_other_secrets_do_not(store: LabelStore, wrong: str) -> None:
+def test_other_secrets_do_not(store: WorkspaceStore, wrong: str) -> None:
     store.tokens.add("viewer")
     assert store.tokens.check(wrong) is None
 
 
-def test_expired_and_revoked_ones_do_not(store: LabelStore) -> None:
+def test_expired_and_revoked_ones_do_not(store: WorkspaceStore) -> None:
     late = store.tokens.add("viewer", expires=time.time() - 1)
     soon = store.tokens.add("viewer", expires=time.time() + 60)
     assert store.tokens.check(late) is None
@@ -38,7 +38,7 @@ def test_expired_and_revoked_ones_do_not(store: LabelStore) -> None:
     assert [token.valid for token in store.tokens.list()] == [False, False]
 
 
-def test_unknown_roles_and_tokens_are_refused(store: LabelStore) -> None:
+def test_unknown_roles_and_tokens_are_refused(store: WorkspaceStore) -> None:
     with pytest.raises(BadInputError, match="annotator"):
         store.tokens.add("king")
     with pytest.raises(NotFoundError):

@@ -7,21 +7,22 @@ import numpy as np
 import pytest
 from random_edits import box_at, boxes_of
 
+from pointbrush.database.backup import back_up, restore
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.labels import LabelStore, Write, restore
-from pointbrush.labels.backup import back_up
+from pointbrush.labels import Write
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
 
-def paint(store: LabelStore, number: int) -> None:
+def paint(store: WorkspaceStore, number: int) -> None:
     write = Write(np.arange(number, number + 100), label=1, provenance=1)
     store.apply(
         SEQ, edit_id=f"e{number}", author="ann", kind="paint", writes={0: write}, summary=""
     )
 
 
-def test_a_copy_of_a_store_in_use_is_whole(store: LabelStore, tmp_path: Path) -> None:
+def test_a_copy_of_a_store_in_use_is_whole(store: WorkspaceStore, tmp_path: Path) -> None:
     store.create_label(SEQ, "ann", name="pin")
     store.tokens.add("viewer", "Ada")
     stop = threading.Event()
@@ -42,7 +43,7 @@ def test_a_copy_of_a_store_in_use_is_whole(store: LabelStore, tmp_path: Path) ->
     worker.join()
     assert not list(tmp_path.glob(".*"))
     for path in copies:
-        copy = LabelStore(f"sqlite:///{path}")
+        copy = WorkspaceStore(f"sqlite:///{path}")
         revision = copy.revision(SEQ)
         assert copy.check(SEQ) == []
         assert int(copy.values(SEQ, 0).label.sum()) == (revision + 98 if revision > 1 else 0)
@@ -55,7 +56,7 @@ def test_a_copy_of_a_store_in_use_is_whole(store: LabelStore, tmp_path: Path) ->
 
 
 def test_a_backup_comes_back_anywhere(
-    store: LabelStore, tmp_path: Path, request: pytest.FixtureRequest
+    store: WorkspaceStore, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     store.create_label(SEQ, "ann", name="pin")
     for number in range(0, 300, 50):
@@ -70,7 +71,7 @@ def test_a_backup_comes_back_anywhere(
         targets.append(request.getfixturevalue("postgres_server").new_database())
     for url in targets:
         restore(saved, url)
-        again = LabelStore(url)
+        again = WorkspaceStore(url)
         assert (again.values(SEQ, 0).label == store.values(SEQ, 0).label).all()
         assert again.edits(SEQ) == store.edits(SEQ)
         assert boxes_of(again, SEQ) == {1: (1, {0: 2.0})}

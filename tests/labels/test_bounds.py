@@ -11,17 +11,13 @@ import pytest
 
 from pointbrush.classify.classifier import Classifier
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import (
-    LabelStore,
-    box_journal,
-    palette,
-    projects,
-    tasks,
-    versions,
-    webhooks,
-)
-from pointbrush.labels.projects import Change
-from pointbrush.labels.tasks import Stretch
+from pointbrush.labels import versions
+from pointbrush.labels.boxes import journal as box_journal
+from pointbrush.labels.classes import palette
+from pointbrush.teamwork import projects, tasks, webhooks
+from pointbrush.teamwork.projects import Change
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.tasks import Stretch
 from pointbrush.work.classifiers import files
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.projects import queue
@@ -33,23 +29,23 @@ SEQUENCE = "juggling"
 PROJECT = "default"
 
 
-def add_project(store: LabelStore, number: int) -> object:
+def add_project(store: WorkspaceStore, number: int) -> object:
     return store.team.projects.create(f"project-{number}", Change())
 
 
-def add_snapshot(store: LabelStore, number: int) -> object:
-    return store.team.versions.create(PROJECT, f"snapshot-{number}", "then", "ann")
+def add_snapshot(store: WorkspaceStore, number: int) -> object:
+    return store.versions.create(PROJECT, f"snapshot-{number}", "then", "ann")
 
 
-def add_task(store: LabelStore, number: int) -> object:
+def add_task(store: WorkspaceStore, number: int) -> object:
     return store.team.tasks.add(PROJECT, "lead", [Stretch(SEQUENCE, number, number)])
 
 
-def add_webhook(store: LabelStore, number: int) -> object:
+def add_webhook(store: WorkspaceStore, number: int) -> object:
     return store.team.webhooks.add(PROJECT, f"https://example.org/{number}", ["task"])
 
 
-def add_label(store: LabelStore, number: int) -> object:
+def add_label(store: WorkspaceStore, number: int) -> object:
     return store.create_label(SEQUENCE, "ann", name=f"label {number}")
 
 
@@ -64,10 +60,10 @@ def add_label(store: LabelStore, number: int) -> object:
     ],
 )
 def test_the_first_one_too_many_is_refused_also_by_two_servers_at_once(
-    store: LabelStore,
+    store: WorkspaceStore,
     url: str,
     monkeypatch: pytest.MonkeyPatch,
-    add: Callable[[LabelStore, int], object],
+    add: Callable[[WorkspaceStore, int], object],
     module: object,
     limit: str,
     held: int,
@@ -76,13 +72,13 @@ def test_the_first_one_too_many_is_refused_also_by_two_servers_at_once(
     monkeypatch.setattr(module, limit, 3)
     made, refused = [], []
 
-    def work(at: LabelStore, number: int) -> None:
+    def work(at: WorkspaceStore, number: int) -> None:
         try:
             made.append(add(at, number))
         except (BadInputError, ConflictError) as error:
             refused.append(str(error))
 
-    with closing(LabelStore(url)) as other:
+    with closing(WorkspaceStore(url)) as other:
         threads = [Thread(target=work, args=(at, k)) for k, at in enumerate((store, other) * 2)]
         for thread in threads:
             thread.start()

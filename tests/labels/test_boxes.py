@@ -13,13 +13,14 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import text
 
+from pointbrush.database.database import Database
+from pointbrush.database.schema import MIGRATIONS
 from pointbrush.errors import BadInputError, ConflictError, LockedLabelError, NotFoundError
-from pointbrush.labels import BoxEdit, Label, LabelStore, Write
-from pointbrush.labels.box_maps import fields_of
-from pointbrush.labels.database import Database
-from pointbrush.labels.palette import Palette
-from pointbrush.labels.schema import MIGRATIONS
+from pointbrush.labels import BoxEdit, Label, Write
+from pointbrush.labels.boxes.maps import fields_of
+from pointbrush.labels.classes.palette import Palette
 from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQUENCE = "juggling"
 
@@ -35,18 +36,18 @@ def car(label: int = 1, frames: Mapping[int, float] | None = None) -> OrientedBo
     return OrientedBox(0, label, np.array([4.2, 1.8, 1.5]), poses, {"parked": True})
 
 
-def boxes(store: LabelStore) -> dict[int, dict[str, Any]]:
+def boxes(store: WorkspaceStore) -> dict[int, dict[str, Any]]:
     return {box.id: fields_of(box) for box in store.boxes.listing(SEQUENCE).boxes}
 
 
 @pytest.fixture
-def labelled(store: LabelStore) -> LabelStore:
+def labelled(store: WorkspaceStore) -> WorkspaceStore:
     for name in ("car", "van"):
         store.create_label(SEQUENCE, "ann", name=name)
     return store
 
 
-def test_each_change_is_one_edit_which_undo_takes_back(labelled: LabelStore) -> None:
+def test_each_change_is_one_edit_which_undo_takes_back(labelled: WorkspaceStore) -> None:
     made = labelled.boxes.add(SEQUENCE, "ann", car(), edit_id="e1")
     again = labelled.boxes.add(SEQUENCE, "ann", car(), edit_id="e1")
     assert (again.commit.repeated, again.box.id, len(boxes(labelled))) == (True, made.box.id, 1)
@@ -81,14 +82,14 @@ def test_each_change_is_one_edit_which_undo_takes_back(labelled: LabelStore) -> 
     assert labelled.boxes.add(SEQUENCE, "ann", car()).box.id > made.box.id
 
 
-def test_a_change_of_nothing_is_no_step_of_undo(labelled: LabelStore) -> None:
+def test_a_change_of_nothing_is_no_step_of_undo(labelled: WorkspaceStore) -> None:
     box = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
     labelled.boxes.change(SEQUENCE, "ann", box, {"attributes": {"parked": True}})
     labelled.undo(SEQUENCE, "ann")
     assert boxes(labelled) == {}
 
 
-def test_labels_take_their_boxes_along(labelled: LabelStore) -> None:
+def test_labels_take_their_boxes_along(labelled: WorkspaceStore) -> None:
     labelled.boxes.add(SEQUENCE, "ann", car(1))
     labelled.boxes.add(SEQUENCE, "ann", car(2))
     before = boxes(labelled)
@@ -102,7 +103,7 @@ def test_labels_take_their_boxes_along(labelled: LabelStore) -> None:
     assert labelled.check(SEQUENCE) == []
 
 
-def test_two_people_keep_their_work(labelled: LabelStore) -> None:
+def test_two_people_keep_their_work(labelled: WorkspaceStore) -> None:
     box = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
     labelled.boxes.change(SEQUENCE, "ann", box, {"poses": {"1": pose(9.0)}})
     labelled.boxes.change(SEQUENCE, "bob", box, {"poses": {"2": pose(3.0)}})
@@ -116,7 +117,7 @@ def test_two_people_keep_their_work(labelled: LabelStore) -> None:
     assert labelled.check(SEQUENCE) == []
 
 
-def test_a_label_that_a_box_of_somebody_else_has_stays(store: LabelStore) -> None:
+def test_a_label_that_a_box_of_somebody_else_has_stays(store: WorkspaceStore) -> None:
     store.create_label(SEQUENCE, "ann", name="car")
     store.boxes.add(SEQUENCE, "bob", car())
     store.undo(SEQUENCE, "ann")
@@ -124,10 +125,10 @@ def test_a_label_that_a_box_of_somebody_else_has_stays(store: LabelStore) -> Non
     assert len(boxes(store)) == 1
 
 
-def test_two_servers(labelled: LabelStore, url: str) -> None:
+def test_two_servers(labelled: WorkspaceStore, url: str) -> None:
     told: list[tuple[int, ...]] = []
     labelled.subscribe(lambda commit: told.append(commit.boxes))
-    with closing(LabelStore(url)) as other:
+    with closing(WorkspaceStore(url)) as other:
         box = other.boxes.add(SEQUENCE, "bob", car()).box.id
         labelled.boxes.change(SEQUENCE, "ann", box, {"poses": {"0": pose(5.0)}})
         other.boxes.change(SEQUENCE, "bob", box, {"poses": {"1": pose(6.0)}})
@@ -138,7 +139,7 @@ def test_two_servers(labelled: LabelStore, url: str) -> None:
     assert told == [(box,)] * 5
 
 
-def test_locked_labels_keep_their_boxes(labelled: LabelStore) -> None:
+def test_locked_labels_keep_their_boxes(labelled: WorkspaceStore) -> None:
     box = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
     other = labelled.boxes.add(SEQUENCE, "ann", car(2)).box.id
     labelled.update_label(SEQUENCE, "bob", 1, locked=True)
@@ -158,7 +159,7 @@ def test_locked_labels_keep_their_boxes(labelled: LabelStore) -> None:
     assert boxes(labelled) == {box: before[box]}
 
 
-def test_many_at_once_see_what_there_is_when_they_commit(labelled: LabelStore) -> None:
+def test_many_at_once_see_what_there_is_when_they_commit(labelled: WorkspaceStore) -> None:
     first = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
 
     def choose(now: Mapping[int, OrientedBox]) -> BoxEdit:
@@ -188,7 +189,7 @@ def test_many_at_once_see_what_there_is_when_they_commit(labelled: LabelStore) -
     ],
 )
 def test_what_cannot_be_changes_nothing(
-    labelled: LabelStore, change: dict[str, Any], error: type[Exception]
+    labelled: WorkspaceStore, change: dict[str, Any], error: type[Exception]
 ) -> None:
     box = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
     before = boxes(labelled)
@@ -197,13 +198,13 @@ def test_what_cannot_be_changes_nothing(
     assert boxes(labelled) == before
 
 
-def test_an_id_of_another_edit_is_refused(labelled: LabelStore) -> None:
+def test_an_id_of_another_edit_is_refused(labelled: WorkspaceStore) -> None:
     labelled.update_label(SEQUENCE, "ann", 1, name="lorry", edit_id="e")
     with pytest.raises(ConflictError):
         labelled.boxes.add(SEQUENCE, "ann", car(), edit_id="e")
 
 
-def test_a_table_that_disagrees_with_the_journal_is_made_anew(labelled: LabelStore) -> None:
+def test_a_table_that_disagrees_with_the_journal_is_made_anew(labelled: WorkspaceStore) -> None:
     labelled.boxes.add(SEQUENCE, "ann", car())
     before = boxes(labelled)
     with labelled.database.write() as connection:
@@ -213,7 +214,7 @@ def test_a_table_that_disagrees_with_the_journal_is_made_anew(labelled: LabelSto
     assert boxes(labelled) == before
 
 
-def test_labels_points_and_boxes_come_in_together(store: LabelStore) -> None:
+def test_labels_points_and_boxes_come_in_together(store: WorkspaceStore) -> None:
     def choose(palette: Palette) -> tuple[list[Label], dict[int, Write]]:
         return [Label(7, "car")], {0: Write(np.arange(9), label=7, provenance=3)}
 
@@ -244,7 +245,7 @@ def downgrade(url: str, revision: str) -> None:
 
 
 def test_headings_that_an_earlier_version_fitted_become_unknown(
-    labelled: LabelStore, url: str
+    labelled: WorkspaceStore, url: str
 ) -> None:
     drawn = labelled.boxes.add(SEQUENCE, "ann", car()).box.id
     fitted = replace(car(2), provenance="fitted")
@@ -254,7 +255,7 @@ def test_headings_that_an_earlier_version_fitted_become_unknown(
     labelled.boxes.remove(SEQUENCE, "ann", removed)
     labelled.close()
     downgrade(url, "0022")
-    with closing(LabelStore(url)) as opened:
+    with closing(WorkspaceStore(url)) as opened:
         assert {n: box["heading_known"] for n, box in boxes(opened).items()} == {
             drawn: True, kept: False,
         }  # fmt: skip

@@ -10,16 +10,17 @@ import pytest
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.formats.tables.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
-from pointbrush.labels import Category, LabelStore
+from pointbrush.labels import Category
+from pointbrush.teamwork.store import WorkspaceStore
 
 
-def test_a_category_keeps_the_number_that_it_got_first(store: LabelStore) -> None:
+def test_a_category_keeps_the_number_that_it_got_first(store: WorkspaceStore) -> None:
     assert store.taxonomy.numbers(["car", "person"]) == {"car": 1, "person": 2}
     assert store.taxonomy.numbers(["person", "tree", "car"]) == {"person": 2, "tree": 3, "car": 1}
     assert [entry.name for entry in store.taxonomy.entries()] == ["car", "person", "tree"]
 
 
-def test_names_and_colours_change_and_numbers_do_not(store: LabelStore) -> None:
+def test_names_and_colours_change_and_numbers_do_not(store: WorkspaceStore) -> None:
     store.taxonomy.numbers(["car", "person"])
     store.taxonomy.put([Category(1, "vehicle", "#ff0000"), Category(10, "road")])
     assert store.taxonomy.entries() == [
@@ -52,10 +53,10 @@ def test_two_datasets_that_are_learned_at_once_keep_all_their_classes(
     """Templates and imports of two recordings, at one server or at two, in both orders."""
     second = NUSCENES if first is SEMANTIC_KITTI else SEMANTIC_KITTI
     with ExitStack() as stack:
-        stores = [stack.enter_context(closing(LabelStore(url))) for _ in range(servers)]
+        stores = [stack.enter_context(closing(WorkspaceStore(url))) for _ in range(servers)]
         ready = Barrier(2)
 
-        def learn(store: LabelStore, dataset: Dataset) -> None:
+        def learn(store: WorkspaceStore, dataset: Dataset) -> None:
             numbers = {each.name: number for number, each in dataset.classes.items()}
             ready.wait()
             store.taxonomy.numbers([f"{dataset.name} {k}" for k in range(20)])

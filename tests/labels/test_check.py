@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore
 from pointbrush.labels.packing import encode_states
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
@@ -29,7 +29,7 @@ SEQ = "juggling"
         ("UPDATE edits SET revision = 99 WHERE revision = 3", "journal: expected revisions 1 to 9"),
     ],
 )
-def test_damage_is_found(url: str, filled: LabelStore, damage: str, finding: str) -> None:
+def test_damage_is_found(url: str, filled: WorkspaceStore, damage: str, finding: str) -> None:
     values = {
         "other": encode_states(np.ones(65_536, np.uint64)),
         "junk": b"junk",
@@ -37,6 +37,6 @@ def test_damage_is_found(url: str, filled: LabelStore, damage: str, finding: str
     used = {name: value for name, value in values.items() if f":{name}" in damage}
     with filled.database.write() as connection:
         connection.execute(text(damage), used)
-    fresh = LabelStore(url)
+    fresh = WorkspaceStore(url)
     assert any(finding in problem for problem in fresh.check(SEQ)), fresh.check(SEQ)
     fresh.close()

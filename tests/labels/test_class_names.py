@@ -9,7 +9,8 @@ import pytest
 
 from pointbrush.errors import ConflictError
 from pointbrush.formats.tables.numbering import KITTI_NUMBERS, official_numbers, plain
-from pointbrush.labels import Category, LabelStore
+from pointbrush.labels import Category
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.labels.conftest import SEQUENCE
 
 WORDS = ("car", "fence", "Traffic Sign", "post", "stone", "zebra")
@@ -35,7 +36,7 @@ class Kind:
 class Model:
     """Labels by id with their classes, and those before each edit that can be undone or redone."""
 
-    store: LabelStore
+    store: WorkspaceStore
     random: Random
     kinds: list[Kind] = field(default_factory=list)
     labels: dict[int, Kind] = field(default_factory=dict)
@@ -141,7 +142,9 @@ class Model:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_labels_stay_of_their_classes_and_numbers_of_theirs(store: LabelStore, seed: int) -> None:
+def test_labels_stay_of_their_classes_and_numbers_of_theirs(
+    store: WorkspaceStore, seed: int
+) -> None:
     random = Random(seed)
     model = Model(store, random)
     steps = [model.add, model.give, model.give, model.turn, model.turn, model.rename,

@@ -23,7 +23,8 @@ from sqlalchemy import event
 from waiting import eventually
 
 from pointbrush.errors import UnavailableError
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Write
+from pointbrush.teamwork.store import WorkspaceStore
 from tests import forked
 
 KILLS = int(os.environ.get("POINTBRUSH_KILLS", "12"))
@@ -52,7 +53,7 @@ def verify(url: str, sequence: str, said: list[dict[str, Any]]) -> int:
     asked = {line["asked"]: line for line in said if "asked" in line}
     answered = {line["answered"]: line for line in said if "answered" in line}
     refused = {line["refused"]: line["why"] for line in said if "refused" in line}
-    store = LabelStore(url)
+    store = WorkspaceStore(url)
     history = store.edits(sequence, limit=1000)
     while history and history[-1].revision > 1:
         history += store.edits(sequence, before=history[-1].revision, limit=1000)
@@ -81,7 +82,7 @@ def test_killed_at_random_moments(url: str) -> None:
         sequence = f"s{kill // KILLS_PER_SEQUENCE}"
         if kill % KILLS_PER_SEQUENCE == 0:
             said = []
-            store = LabelStore(url)
+            store = WorkspaceStore(url)
             store.recordings.register(sequence, POINTS)
             store.close()
         answers, seconds = rng.choice([0, 0, 5, 20, 50]), rng.uniform(0.0, 0.05)
@@ -91,7 +92,7 @@ def test_killed_at_random_moments(url: str) -> None:
 
 
 def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None:
-    store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
     store.recordings.register("s", [1_000_000])
     store.create_label("s", "ann", name="pin")
     limit = [0]
@@ -130,7 +131,7 @@ def test_a_full_disk_refuses_the_edit_and_keeps_the_rest(tmp_path: Path) -> None
 
 def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
     path = tmp_path / "labels.sqlite"
-    store = LabelStore(f"sqlite:///{path}")
+    store = WorkspaceStore(f"sqlite:///{path}")
     store.recordings.register("s", [500_000])
     store.create_label("s", "ann", name="pin")
     rng = np.random.default_rng(0)
@@ -156,7 +157,7 @@ def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert stroke("after") == before.revision + 1
-    again = LabelStore(f"sqlite:///{path}")
+    again = WorkspaceStore(f"sqlite:///{path}")
     assert (again.values("s", 0).label == store.values("s", 0).label).all()
     assert again.check("s") == []
     again.close()
@@ -164,7 +165,7 @@ def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
 
 
 def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServer) -> None:
-    store = LabelStore(postgres_server.new_database())
+    store = WorkspaceStore(postgres_server.new_database())
     store.recordings.register("s", [100])
     store.create_label("s", "ann", name="pin")
     heard: list[int] = []
@@ -185,7 +186,7 @@ def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServe
         with pytest.raises(UnavailableError):
             store.values("s", 0)
         with pytest.raises(UnavailableError):
-            LabelStore(postgres_server.url("away"))
+            WorkspaceStore(postgres_server.url("away"))
     finally:
         postgres_server.start()
     assert store.values("s", 0).label.sum() == 1

@@ -12,9 +12,9 @@ from alembic import command
 from alembic.config import Config
 from sqlalchemy import MetaData, insert, select, text
 
-from pointbrush.labels import LabelStore
-from pointbrush.labels.database import Database
-from pointbrush.labels.schema import MIGRATIONS
+from pointbrush.database.database import Database
+from pointbrush.database.schema import MIGRATIONS
+from pointbrush.teamwork.store import WorkspaceStore
 
 OLD = Path(__file__).parents[1] / "golden" / "workspace_0001"
 
@@ -46,13 +46,13 @@ def old(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def store(old: str) -> Iterator[LabelStore]:
-    opened = LabelStore(old)
+def store(old: str) -> Iterator[WorkspaceStore]:
+    opened = WorkspaceStore(old)
     yield opened
     opened.close()
 
 
-def test_an_old_database_knows_when_each_frame_changed_last(store: LabelStore) -> None:
+def test_an_old_database_knows_when_each_frame_changed_last(store: WorkspaceStore) -> None:
     expected = json.loads((OLD / "expected.json").read_text())["sequences"]
     assert store.sequences().keys() == expected.keys()
     for sequence, then in expected.items():
@@ -65,7 +65,7 @@ def test_an_old_database_knows_when_each_frame_changed_last(store: LabelStore) -
         assert any(last.values())
 
 
-def test_an_old_database_goes_on_as_it_was(store: LabelStore) -> None:
+def test_an_old_database_goes_on_as_it_was(store: WorkspaceStore) -> None:
     before = store.values("ball", 1).label
     undone = store.undo("ball", "ada")
     assert store.values("ball", 1).changed == undone.revision
@@ -75,7 +75,7 @@ def test_an_old_database_goes_on_as_it_was(store: LabelStore) -> None:
     assert store.check("ball") == []
 
 
-def test_a_last_change_that_disagrees_is_told(old: str, store: LabelStore) -> None:
+def test_a_last_change_that_disagrees_is_told(old: str, store: WorkspaceStore) -> None:
     number = store.changed("ball", 1)
     database = Database(old)
     with database.write() as connection:

@@ -7,21 +7,21 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.labels import LabelStore
-from pointbrush.labels.backup import back_up, restore
+from pointbrush.database.backup import back_up, restore
 from pointbrush.sequences.storage.manifest import VERSION
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.workspace import Workspace
 from tests.old_workspace import make_older, old_workspace
 
 
 def test_a_restored_database_has_the_reports(url: str, tmp_path: Path) -> None:
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         store.headset_reports.add("ada", {"browser": "Größer\0"})
         kept = store.headset_reports.all()
         back_up(store.database, tmp_path / "backup.sqlite")
     target = f"sqlite:///{tmp_path / 'restored.sqlite'}"
     restore(tmp_path / "backup.sqlite", target)
-    with closing(LabelStore(target)) as restored:
+    with closing(WorkspaceStore(target)) as restored:
         assert restored.headset_reports.all() == kept
 
 

@@ -12,8 +12,9 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 from waiting import eventually
 
-from pointbrush.labels import LabelStore, Limits
-from pointbrush.labels.job_records import JobRecord
+from pointbrush.database.database import Limits
+from pointbrush.database.job_records import JobRecord
+from pointbrush.teamwork.store import WorkspaceStore
 
 LOCKED = "SELECT id FROM jobs WHERE id = %s FOR UPDATE NOWAIT"
 WAITING = """SELECT count(*) FROM pg_stat_activity
@@ -27,11 +28,11 @@ def record(job_id: str, created: float) -> JobRecord:
 
 
 @pytest.fixture
-def stores(postgres_url: str) -> Iterator[tuple[LabelStore, LabelStore]]:  # noqa: F811
+def stores(postgres_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]:  # noqa: F811
     limits = Limits(statement_seconds=20)
     with (
-        closing(LabelStore(postgres_url, limits=limits)) as here,
-        closing(LabelStore(postgres_url, limits=limits)) as there,
+        closing(WorkspaceStore(postgres_url, limits=limits)) as here,
+        closing(WorkspaceStore(postgres_url, limits=limits)) as there,
     ):
         yield here, there
 
@@ -44,7 +45,7 @@ def other(postgres_url: str) -> Iterator[psycopg.Connection]:  # noqa: F811
 
 
 def test_jobs_are_claimed_past_one_that_another_server_writes(
-    stores: tuple[LabelStore, LabelStore], other: psycopg.Connection
+    stores: tuple[WorkspaceStore, WorkspaceStore], other: psycopg.Connection
 ) -> None:
     here, there = stores
     for number, job_id in enumerate("abc"):
@@ -59,7 +60,7 @@ def test_jobs_are_claimed_past_one_that_another_server_writes(
 
 
 def test_jobs_are_claimed_oldest_first_and_each_once(
-    stores: tuple[LabelStore, LabelStore],
+    stores: tuple[WorkspaceStore, WorkspaceStore],
 ) -> None:
     here, there = stores
     for number, job_id in enumerate("cab"):
@@ -71,7 +72,7 @@ def test_jobs_are_claimed_oldest_first_and_each_once(
 
 
 def test_jobs_are_written_in_the_order_of_their_ids(
-    stores: tuple[LabelStore, LabelStore],
+    stores: tuple[WorkspaceStore, WorkspaceStore],
     other: psycopg.Connection,
     postgres_url: str,  # noqa: F811
 ) -> None:

@@ -12,8 +12,9 @@ from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import UnavailableError
 from pointbrush.job import Job
-from pointbrush.labels import LabelStore, Write
-from pointbrush.labels.reviews import Review
+from pointbrush.labels import Write
+from pointbrush.teamwork.reviews import Review
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_book import record_of
 from tests.torture.proxy import SlowProxy
 
@@ -34,7 +35,7 @@ def url(postgres_server: PostgresServer, proxy: SlowProxy) -> str:  # noqa: F811
 
 
 def test_an_edit_that_was_made_is_answered(url: str, proxy: SlowProxy) -> None:
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         heard: list[int] = []
         store.subscribe(lambda commit: heard.append(commit.revision))
         store.recordings.register("wall", [100])
@@ -58,7 +59,7 @@ def test_an_edit_that_was_made_is_answered(url: str, proxy: SlowProxy) -> None:
 
 
 def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy) -> None:
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         store.recordings.register("wall", [100])
 
         proxy.lost = (b"COMMIT\0",)
@@ -76,7 +77,7 @@ def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy)
 
 
 def test_what_was_not_written_is_refused(url: str, proxy: SlowProxy) -> None:
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         proxy.lost = (b"INSERT 0 1\0",)
         with pytest.raises(UnavailableError):
             store.tokens.add("annotator", "ann", None)

@@ -12,10 +12,10 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import text
 
+from pointbrush.database.database import Database
+from pointbrush.database.schema import HEAD, MIGRATIONS, metadata, migrate
 from pointbrush.errors import BadInputError
-from pointbrush.labels import LabelStore
-from pointbrush.labels.database import Database
-from pointbrush.labels.schema import HEAD, MIGRATIONS, metadata, migrate
+from pointbrush.teamwork.store import WorkspaceStore
 from tests import forked
 
 
@@ -35,31 +35,31 @@ def test_head_is_the_last_migration() -> None:
 
 
 def test_a_database_of_a_newer_version_is_left_alone(url: str) -> None:
-    LabelStore(url).close()
+    WorkspaceStore(url).close()
     database = Database(url)
     with database.write() as connection:
         connection.execute(text("UPDATE alembic_version SET version_num = '9999'"))
     database.close()
     with pytest.raises(BadInputError, match="newer pointbrush"):
-        LabelStore(url)
+        WorkspaceStore(url)
 
 
 def open_store(url: str) -> None:
-    LabelStore(url).close()
+    WorkspaceStore(url).close()
 
 
 def test_two_processes_that_start_at_once(empty_url: str) -> None:
     with ExitStack() as stack:
         started = [stack.enter_context(forked.calling(open_store, empty_url)) for _ in range(3)]
         assert [process.wait() for process in started] == [0, 0, 0]
-    LabelStore(empty_url).close()
+    WorkspaceStore(empty_url).close()
 
 
 def test_a_file_that_is_no_database(tmp_path: Path) -> None:
     path = tmp_path / "labels.sqlite"
     path.write_bytes(b"this is not a database" * 100)
     with pytest.raises(Exception, match="not a database") as caught:
-        LabelStore(f"sqlite:///{path}")
+        WorkspaceStore(f"sqlite:///{path}")
     assert not isinstance(caught.value, sqlite3.Error)
 
 
@@ -77,7 +77,7 @@ def test_authors_of_before_with_a_colon_keep_their_account_and_name(empty_url: s
         for number, name in enumerate(("lab:ada", "owner:ada", "owner")):
             connection.execute(text(token), {"i": str(number), "n": name})
     database.close()
-    store = LabelStore(empty_url)
+    store = WorkspaceStore(empty_url)
     accounts = {token.name: token.account for token in store.tokens.list()}
     assert accounts == {"lab:ada": "lab:ada", "owner:ada": "token 1", "owner": "token 2"}
     assert store.accounts.name("lab:ada") == "lab:ada"

@@ -15,7 +15,8 @@ from random_edits import box_at, boxes_of, place_at
 from waiting import eventually
 
 from pointbrush.errors import PointbrushError
-from pointbrush.labels import Commit, LabelStore, Write, writer
+from pointbrush.labels import Commit, Write, writer
+from pointbrush.teamwork.store import WorkspaceStore
 
 # Points on both sides of the border between two blocks.
 PLACES = [0, 1, 2, 3, 65_534, 65_535, 65_536, 65_537]
@@ -62,7 +63,7 @@ OPERATIONS = st.one_of(
 class Pair:
     """The store, through two connections to it as of two servers, and the model."""
 
-    def __init__(self, stores: list[LabelStore], sequence: str) -> None:
+    def __init__(self, stores: list[WorkspaceStore], sequence: str) -> None:
         self.stores, self.sequence, self.model = stores, sequence, Model()
         stores[0].recordings.register(sequence, [SIZE] * FRAMES)
         self.copies = [np.zeros((FRAMES, SIZE, 3), np.int64) for _ in stores]
@@ -119,13 +120,17 @@ class Pair:
     def model_remove_box(self, who: str, box: int) -> None:
         self.model.remove_box(who, box)
 
-    def store_add_box(self, store: LabelStore, who: str, number: int, frame: int, x: float) -> None:
+    def store_add_box(
+        self, store: WorkspaceStore, who: str, number: int, frame: int, x: float
+    ) -> None:
         store.boxes.add(self.sequence, who, box_at(number, frame, x))
 
-    def store_move_box(self, store: LabelStore, who: str, box: int, frame: int, x: float) -> None:
+    def store_move_box(
+        self, store: WorkspaceStore, who: str, box: int, frame: int, x: float
+    ) -> None:
         store.boxes.change(self.sequence, who, box, {"poses": {str(frame): place_at(x)}})
 
-    def store_remove_box(self, store: LabelStore, who: str, box: int) -> None:
+    def store_remove_box(self, store: WorkspaceStore, who: str, box: int) -> None:
         store.boxes.remove(self.sequence, who, box)
 
     def told_of_boxes(self, which: int) -> bool:
@@ -138,7 +143,7 @@ class Pair:
         self.boxes[which] = copy | {box: now[box] for box in heard & now.keys()}
         return self.boxes[which] == now == self.model.boxes()
 
-    def store_write(self, store: LabelStore, who: str, where: Any, *rest: Any) -> None:
+    def store_write(self, store: WorkspaceStore, who: str, where: Any, *rest: Any) -> None:
         number, provenance, deleted, only, living, hidden, tracks = rest
         writes = [
             (
@@ -165,27 +170,27 @@ class Pair:
             tracks=[{"frame": f, "label": n, "by": who} for f, n in sorted(tracks)],
         )
 
-    def store_paint(self, store: LabelStore, who: str, where: Any, number: int) -> None:
+    def store_paint(self, store: WorkspaceStore, who: str, where: Any, number: int) -> None:
         self.store_write(store, who, where, number, 1, None, "any", None, None, ())
 
-    def store_undo(self, store: LabelStore, who: str) -> None:
+    def store_undo(self, store: WorkspaceStore, who: str) -> None:
         store.undo(self.sequence, who)
 
-    def store_redo(self, store: LabelStore, who: str) -> None:
+    def store_redo(self, store: WorkspaceStore, who: str) -> None:
         store.redo(self.sequence, who)
 
-    def store_create(self, store: LabelStore, who: str, number: int | None) -> None:
+    def store_create(self, store: WorkspaceStore, who: str, number: int | None) -> None:
         store.create_label(self.sequence, who, name="new", id=number)
 
     def store_change(
-        self, store: LabelStore, who: str, number: int, name: str | None, locked: bool | None
+        self, store: WorkspaceStore, who: str, number: int, name: str | None, locked: bool | None
     ) -> None:
         store.update_label(self.sequence, who, number, name=name, locked=locked)
 
-    def store_show(self, store: LabelStore, who: str, number: int, visible: bool) -> None:
+    def store_show(self, store: WorkspaceStore, who: str, number: int, visible: bool) -> None:
         store.update_label(self.sequence, who, number, visible=visible)
 
-    def store_delete(self, store: LabelStore, who: str, number: int) -> None:
+    def store_delete(self, store: WorkspaceStore, who: str, number: int) -> None:
         store.delete_label(self.sequence, who, number)
 
     def compare(self) -> None:
@@ -214,7 +219,7 @@ class Pair:
             tracks = {(t["frame"], t["label"]): t["by"] for t in store.tracks(self.sequence)}
             assert tracks == self.model.tracks()
 
-    def _values(self, store: LabelStore, frame: int) -> np.ndarray[Any, Any]:
+    def _values(self, store: WorkspaceStore, frame: int) -> np.ndarray[Any, Any]:
         values = store.values(self.sequence, frame)
         return np.stack([values.label, values.provenance, values.deleted], axis=1).astype(np.int64)
 
@@ -239,10 +244,10 @@ def _outcome(work: Callable[[], object]) -> type[Exception] | None:
 
 
 @pytest.fixture
-def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[LabelStore]]:
+def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[WorkspaceStore]]:
     # Snapshots all the time, and one of the two can keep but a single block in memory.
     monkeypatch.setattr(writer, "SNAPSHOT_EVERY", 3)
-    opened = [LabelStore(url), LabelStore(url, cache_bytes=1)]
+    opened = [WorkspaceStore(url), WorkspaceStore(url, cache_bytes=1)]
     yield opened
     for store in opened:
         store.close()
@@ -253,7 +258,7 @@ def stores(url: str, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[LabelStor
 )
 @given(st.lists(st.tuples(st.integers(0, 1), OPERATIONS), min_size=4, max_size=40))
 def test_any_interleaving_is_a_replay_without_what_was_undone(
-    stores: list[LabelStore], operations: list[tuple[int, tuple[Any, ...]]]
+    stores: list[WorkspaceStore], operations: list[tuple[int, tuple[Any, ...]]]
 ) -> None:
     pair = Pair(stores, f"s{next(NUMBERS)}")
     unsubscribe = [store.subscribe(pair.hear(n)) for n, store in enumerate(stores)]

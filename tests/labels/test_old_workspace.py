@@ -12,10 +12,10 @@ import pytest
 from numpy.typing import NDArray
 from sqlalchemy import text
 
+from pointbrush.database.database import Database
 from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.formats.tables.numbering import KITTI_NUMBERS
 from pointbrush.labels import Category
-from pointbrush.labels.database import Database
 from pointbrush.sequences.storage.manifest import VERSION
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

@@ -5,16 +5,16 @@ from __future__ import annotations
 import pytest
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
 
-def names(store: LabelStore) -> list[str]:
+def names(store: WorkspaceStore) -> list[str]:
     return [label.name for label in store.palette(SEQ)]
 
 
-def test_labels_are_arranged_as_one_edit(store: LabelStore) -> None:
+def test_labels_are_arranged_as_one_edit(store: WorkspaceStore) -> None:
     for name in "abcd":
         store.create_label(SEQ, "me", name=name)
     store.arrange_labels(SEQ, "me", [3, 1])
@@ -31,7 +31,7 @@ def test_labels_are_arranged_as_one_edit(store: LabelStore) -> None:
 
 
 @pytest.mark.parametrize("order", [[1, 1], [0], [70_000]])
-def test_an_order_that_makes_no_sense_is_refused(store: LabelStore, order: list[int]) -> None:
+def test_an_order_that_makes_no_sense_is_refused(store: WorkspaceStore, order: list[int]) -> None:
     store.create_label(SEQ, "me", name="a")
     with pytest.raises(BadInputError):
         store.arrange_labels(SEQ, "me", order)

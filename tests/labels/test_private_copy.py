@@ -9,21 +9,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pointbrush.database import database
+from pointbrush.database.private_copy import PrivateCopy
 from pointbrush.errors import ReadOnlyError, UnavailableError
-from pointbrush.labels import LabelStore, Write, database
-from pointbrush.labels.private_copy import PrivateCopy
+from pointbrush.labels import Write
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
 
-def paint(store: LabelStore, edit: str) -> None:
+def paint(store: WorkspaceStore, edit: str) -> None:
     write = Write(np.arange(10), label=1, provenance=1)
     store.apply(SEQ, edit_id=edit, author="ann", kind="paint", writes={0: write}, summary="")
 
 
 @pytest.fixture
-def live(tmp_path: Path) -> LabelStore:
-    store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
+def live(tmp_path: Path) -> WorkspaceStore:
+    store = WorkspaceStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
     store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="pin")
     paint(store, "one")
@@ -31,14 +33,14 @@ def live(tmp_path: Path) -> LabelStore:
 
 
 def edits_in(copy: PrivateCopy) -> int:
-    store = LabelStore(f"sqlite:///{copy.path}")
+    store = WorkspaceStore(f"sqlite:///{copy.path}")
     assert store.check(SEQ) == []
     found = len(store.edits(SEQ))
     store.close()
     return found
 
 
-def test_beside_a_writer_whose_log_was_not_taken_in(live: LabelStore, tmp_path: Path) -> None:
+def test_beside_a_writer_whose_log_was_not_taken_in(live: WorkspaceStore, tmp_path: Path) -> None:
     assert (tmp_path / "labels.sqlite-wal").stat().st_size > 0
     copy = PrivateCopy(tmp_path / "labels.sqlite")
     paint(live, "two")  # whoever writes is not held up
@@ -48,7 +50,7 @@ def test_beside_a_writer_whose_log_was_not_taken_in(live: LabelStore, tmp_path: 
     live.close()
 
 
-def test_after_a_clean_end_and_after_a_crash(live: LabelStore, tmp_path: Path) -> None:
+def test_after_a_clean_end_and_after_a_crash(live: WorkspaceStore, tmp_path: Path) -> None:
     crashed = tmp_path / "crashed"
     crashed.mkdir()
     for suffix in ("", "-wal"):
@@ -65,7 +67,7 @@ def test_after_a_clean_end_and_after_a_crash(live: LabelStore, tmp_path: Path) -
 
 def test_no_database_is_an_empty_one_and_junk_is_told(tmp_path: Path) -> None:
     copy = PrivateCopy(tmp_path / "labels.sqlite")
-    store = LabelStore(f"sqlite:///{copy.path}")
+    store = WorkspaceStore(f"sqlite:///{copy.path}")
     assert store.sequences() == {}
     store.close()
     copy.close()
@@ -75,13 +77,13 @@ def test_no_database_is_an_empty_one_and_junk_is_told(tmp_path: Path) -> None:
 
 
 def test_an_older_one_is_brought_up_to_date_in_the_copy_and_then_sealed(
-    live: LabelStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    live: WorkspaceStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     live.close()
     path = tmp_path / "labels.sqlite"
     before = path.read_bytes()
     monkeypatch.setattr(database, "file_writable", lambda path: path != tmp_path / path.name)
-    store = LabelStore(f"sqlite:///{path}")
+    store = WorkspaceStore(f"sqlite:///{path}")
     store.recordings.register("another", [3])
     store.seal()
     with pytest.raises(ReadOnlyError, match="read-only"):

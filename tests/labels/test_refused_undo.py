@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import UnavailableError
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Write
 from pointbrush.labels.writer import Writer
+from pointbrush.teamwork.store import WorkspaceStore
 
 
 def test_a_refused_undo_leaves_the_edit_in_force(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
     store.recordings.register("s", [100])
     for name in ("one", "two"):
         store.create_label("s", "ann", name=name)

@@ -11,14 +11,15 @@ import pytest
 from postgres import PostgresServer
 from sqlalchemy import text
 
-from pointbrush.labels import LabelStore, check_database
+from pointbrush.database.integrity import check_database
 from pointbrush.labels.packing import encode_states
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 PAGE = 8192
 
 
-def shown(store: LabelStore) -> tuple[object, ...]:
+def shown(store: WorkspaceStore) -> tuple[object, ...]:
     values = store.values(SEQ, 0)
     return store.palette(SEQ), store.counts(SEQ), store.tracks(SEQ), values.label.tobytes()
 
@@ -40,7 +41,7 @@ JOURNAL = [
 ]
 
 
-def harm(store: LabelStore, statement: str) -> None:
+def harm(store: WorkspaceStore, statement: str) -> None:
     values = {"other": encode_states(np.ones(65_536, np.uint64)), "junk": b"junk"}
     used = {name: value for name, value in values.items() if f":{name}" in statement}
     with store.database.write() as connection:
@@ -48,10 +49,10 @@ def harm(store: LabelStore, statement: str) -> None:
 
 
 @pytest.mark.parametrize("statement", DERIVED)
-def test_what_is_derived_is_made_anew(url: str, filled: LabelStore, statement: str) -> None:
+def test_what_is_derived_is_made_anew(url: str, filled: WorkspaceStore, statement: str) -> None:
     before = shown(filled)
     harm(filled, statement)
-    fresh = LabelStore(url)
+    fresh = WorkspaceStore(url)
     rebuilt, lost = fresh.repair(SEQ)
     assert rebuilt
     assert lost == []
@@ -65,11 +66,11 @@ def test_what_is_derived_is_made_anew(url: str, filled: LabelStore, statement: s
 
 @pytest.mark.parametrize("statement", JOURNAL)
 def test_a_damaged_journal_is_told_and_nothing_touched(
-    url: str, filled: LabelStore, statement: str
+    url: str, filled: WorkspaceStore, statement: str
 ) -> None:
     harm(filled, statement)
     harm(filled, "DELETE FROM tracks")
-    fresh = LabelStore(url)
+    fresh = WorkspaceStore(url)
     rebuilt, lost = fresh.repair(SEQ)
     assert rebuilt == []
     assert any("edit" in line for line in lost)
@@ -79,7 +80,7 @@ def test_a_damaged_journal_is_told_and_nothing_touched(
     fresh.close()
 
 
-def test_a_sound_database_is_sound(filled: LabelStore) -> None:
+def test_a_sound_database_is_sound(filled: WorkspaceStore) -> None:
     assert filled.integrity() == []
     filled.rebuild_indexes()
     assert filled.integrity() == []
@@ -89,7 +90,7 @@ def test_a_sound_database_is_sound(filled: LabelStore) -> None:
 def sqlite_file(tmp_path: Path) -> Path:
     """A closed database with 2,000 edits in it."""
     path = tmp_path / "labels.sqlite"
-    store = LabelStore(f"sqlite:///{path}")
+    store = WorkspaceStore(f"sqlite:///{path}")
     store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="one")
     with store.database.write() as connection:
@@ -144,7 +145,7 @@ def test_a_spoilt_index_is_found_and_made_anew(sqlite_file: Path) -> None:
         spoil(sqlite_file, "edits_stack", lose_a_row)
     except sqlite3.OperationalError:
         pytest.skip("this SQLite has no dbstat")
-    store = LabelStore(f"sqlite:///{sqlite_file}")
+    store = WorkspaceStore(f"sqlite:///{sqlite_file}")
     assert any("edits_stack" in line for line in store.integrity())
     store.rebuild_indexes()
     assert store.integrity() == []
@@ -154,7 +155,7 @@ def test_a_spoilt_index_is_found_and_made_anew(sqlite_file: Path) -> None:
 def test_pages_of_postgresql_that_cannot_be_read_are_found(
     postgres_server: PostgresServer, postgres_url: str
 ) -> None:
-    store = LabelStore(postgres_url)
+    store = WorkspaceStore(postgres_url)
     store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="one")
     with store.database.write() as connection:

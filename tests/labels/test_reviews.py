@@ -11,7 +11,8 @@ from threading import Thread
 import pytest
 
 from pointbrush.errors import NotFoundError
-from pointbrush.labels import LabelStore, Review
+from pointbrush.teamwork.reviews import Review
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import EXPECTED, old_workspace
@@ -19,7 +20,7 @@ from tests.old_workspace import EXPECTED, old_workspace
 SEQUENCE = "juggling"
 
 
-def test_decisions_come_back_in_their_order(store: LabelStore, url: str) -> None:
+def test_decisions_come_back_in_their_order(store: WorkspaceStore, url: str) -> None:
     store.create_label(SEQUENCE, "ada", name="pin")
     wanted = [
         Review(0, 3, state="review"),
@@ -31,7 +32,7 @@ def test_decisions_come_back_in_their_order(store: LabelStore, url: str) -> None
     ]
     for review in wanted:
         store.reviews.add(SEQUENCE, "x", "ada", review)
-    with closing(LabelStore(url)) as again:
+    with closing(WorkspaceStore(url)) as again:
         found = again.reviews.entries(SEQUENCE)
     assert [(e.number, e.author, e.revision) for e in found] == [(n, "ada", 1) for n in range(1, 5)]
     fields = ("first", "last", "label", "state", "note", "place", "assignee")
@@ -41,7 +42,7 @@ def test_decisions_come_back_in_their_order(store: LabelStore, url: str) -> None
     assert all(a.time <= b.time for a, b in pairwise(found))
 
 
-def test_two_people_who_decide_at_once_lose_nothing(store: LabelStore) -> None:
+def test_two_people_who_decide_at_once_lose_nothing(store: WorkspaceStore) -> None:
     def decide(author: str) -> None:
         for frame in range(4):
             store.reviews.add(SEQUENCE, "x", author, Review(frame, frame, state="review"))
@@ -55,7 +56,7 @@ def test_two_people_who_decide_at_once_lose_nothing(store: LabelStore) -> None:
     assert [entry.number for entry in found] == list(range(1, 13))
 
 
-def test_they_belong_to_their_import_and_go_with_it(store: LabelStore) -> None:
+def test_they_belong_to_their_import_and_go_with_it(store: WorkspaceStore) -> None:
     store.recordings.register("other", [5], "a" * 16)
     store.reviews.add("other", "a" * 16, "ada", Review(0, 0, state="accepted"))
     with pytest.raises(NotFoundError, match="imported again"):

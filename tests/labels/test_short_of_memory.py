@@ -7,15 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Write
 from pointbrush.labels.state import SequenceState
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
 
 @pytest.mark.parametrize("part", ["adopt", "set_palette"])
 def test_an_edit_that_was_made_is_answered(
-    store: LabelStore, monkeypatch: pytest.MonkeyPatch, part: str
+    store: WorkspaceStore, monkeypatch: pytest.MonkeyPatch, part: str
 ) -> None:
     store.create_label(SEQ, "ann", name="pin")
     real, times = getattr(SequenceState, part), iter([MemoryError()])

@@ -14,15 +14,16 @@ from pointbrush.errors import (
     LockedLabelError,
     NotFoundError,
 )
-from pointbrush.labels import Commit, GapError, Label, LabelStore, Write
-from pointbrush.labels.palette import Palette
+from pointbrush.labels import Commit, GapError, Label, Write
+from pointbrush.labels.classes.palette import Palette
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 N = 150_000
 
 
 def paint(
-    store: LabelStore,
+    store: WorkspaceStore,
     indices: Sequence[int] | np.ndarray[Any, Any],
     label: int = 1,
     author: str = "ann",
@@ -36,19 +37,19 @@ def paint(
     )
 
 
-def labels_at(store: LabelStore, indices: Sequence[int], frame: int = 0) -> list[int]:
+def labels_at(store: WorkspaceStore, indices: Sequence[int], frame: int = 0) -> list[int]:
     return store.values(SEQ, frame).label[list(indices)].tolist()
 
 
 @pytest.fixture
-def pins(store: LabelStore) -> LabelStore:
+def pins(store: WorkspaceStore) -> WorkspaceStore:
     """Labels 1, 2 and 3."""
     for name in ("pin 1", "pin 2", "pin 3"):
         store.create_label(SEQ, "setup", name=name, category="pin")
     return store
 
 
-def test_a_stroke_changes_its_points_and_says_so(pins: LabelStore) -> None:
+def test_a_stroke_changes_its_points_and_says_so(pins: WorkspaceStore) -> None:
     touched = [5, 6, 70_000, N - 1]
     commit = paint(pins, touched, label=2)
     assert (commit.changed, commit.base, commit.repeated) == (4, 3, False)
@@ -63,7 +64,7 @@ def test_a_stroke_changes_its_points_and_says_so(pins: LabelStore) -> None:
     assert [(c.frame, c.label, c.points, c.painted) for c in commit.cells] == [(0, 2, 4, 4)]
 
 
-def test_values_of_a_part_of_a_frame(pins: LabelStore) -> None:
+def test_values_of_a_part_of_a_frame(pins: WorkspaceStore) -> None:
     paint(pins, [65_535, 65_536, 131_072])
     part = pins.values(SEQ, 0, 65_535, 3)
     assert part.label.tolist() == [1, 1, 0]
@@ -72,7 +73,7 @@ def test_values_of_a_part_of_a_frame(pins: LabelStore) -> None:
     assert len(pins.values(SEQ, 3).label) == 0
 
 
-def test_the_same_edit_twice_applies_once(pins: LabelStore) -> None:
+def test_the_same_edit_twice_applies_once(pins: WorkspaceStore) -> None:
     first = paint(pins, [1, 2, 3], edit_id="a")
     paint(pins, [2], label=2, author="bob")
     again = paint(pins, [1, 2, 3], edit_id="a")
@@ -85,7 +86,7 @@ def test_the_same_edit_twice_applies_once(pins: LabelStore) -> None:
     assert pins.find(SEQ, "b") is None
 
 
-def test_locked_labels_keep_their_points_and_take_no_new_ones(pins: LabelStore) -> None:
+def test_locked_labels_keep_their_points_and_take_no_new_ones(pins: WorkspaceStore) -> None:
     paint(pins, [1, 2], label=1)
     pins.update_label(SEQ, "ann", 1, locked=True)
     assert paint(pins, [1, 2, 3], label=2).changed == 1
@@ -111,7 +112,7 @@ def test_locked_labels_keep_their_points_and_take_no_new_ones(pins: LabelStore) 
     assert commit.changed == 1
 
 
-def test_undo_never_changes_points_of_a_locked_label(pins: LabelStore) -> None:
+def test_undo_never_changes_points_of_a_locked_label(pins: WorkspaceStore) -> None:
     paint(pins, [1, 2], label=1)
     pins.update_label(SEQ, "bob", 1, locked=True)
     revision = pins.revision(SEQ)
@@ -122,7 +123,7 @@ def test_undo_never_changes_points_of_a_locked_label(pins: LabelStore) -> None:
     assert pins.undo(SEQ, "ann").changed == 2
 
 
-def test_rules_look_at_the_state_of_the_commit(pins: LabelStore) -> None:
+def test_rules_look_at_the_state_of_the_commit(pins: WorkspaceStore) -> None:
     paint(pins, [1], label=1)
     tracked = Write(np.array([1, 2, 3]), label=2, provenance=2, only="not_painted")
     commit = pins.apply(
@@ -134,7 +135,7 @@ def test_rules_look_at_the_state_of_the_commit(pins: LabelStore) -> None:
     assert pins.counts(SEQ) == {(0, 1): (1, 1), (0, 2): (2, 0), (0, 3): (1, 1)}
 
 
-def test_deleted_points_do_not_count_and_come_back(pins: LabelStore) -> None:
+def test_deleted_points_do_not_count_and_come_back(pins: WorkspaceStore) -> None:
     paint(pins, [1, 2, 3])
     gone = Write(np.array([2, 3, 4]), deleted=True)
     commit = pins.apply(
@@ -153,7 +154,7 @@ def test_deleted_points_do_not_count_and_come_back(pins: LabelStore) -> None:
     assert not pins.values(SEQ, 0).deleted.any()
 
 
-def test_bad_input_changes_nothing(pins: LabelStore) -> None:
+def test_bad_input_changes_nothing(pins: WorkspaceStore) -> None:
     revision = pins.revision(SEQ)
     for bad in (
         Write(np.array([2, 1]), label=1),
@@ -191,7 +192,7 @@ def test_bad_input_changes_nothing(pins: LabelStore) -> None:
     assert not pins.values(SEQ, 0).label.any()
 
 
-def test_an_edit_is_whole_or_not_at_all(pins: LabelStore) -> None:
+def test_an_edit_is_whole_or_not_at_all(pins: WorkspaceStore) -> None:
     pins.update_label(SEQ, "ann", 2, locked=True)
     writes = [(0, Write(np.arange(100), label=1)), (1, Write(np.arange(100), label=2))]
     with pytest.raises(LockedLabelError):
@@ -201,7 +202,7 @@ def test_an_edit_is_whole_or_not_at_all(pins: LabelStore) -> None:
     assert pins.find(SEQ, "w") is None
 
 
-def test_later_writes_of_one_edit_win(pins: LabelStore) -> None:
+def test_later_writes_of_one_edit_win(pins: WorkspaceStore) -> None:
     writes = [
         (0, Write(np.arange(0, 10), label=1, provenance=1)),
         (0, Write(np.arange(5, 15), label=2, provenance=2)),
@@ -215,7 +216,7 @@ def test_later_writes_of_one_edit_win(pins: LabelStore) -> None:
     assert labels_at(pins, range(16)) == [1] * 5 + [2] * 10 + [0]
 
 
-def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
+def test_labels_of_an_import_are_part_of_its_edit(store: WorkspaceStore) -> None:
     commit = store.apply(
         SEQ,
         edit_id=None,
@@ -238,7 +239,7 @@ def test_labels_of_an_import_are_part_of_its_edit(store: LabelStore) -> None:
     assert store.create_label(SEQ, "ann", name="x").id == 41
 
 
-def test_a_label_id_keeps_its_meaning_over_undo_and_redo(store: LabelStore) -> None:
+def test_a_label_id_keeps_its_meaning_over_undo_and_redo(store: WorkspaceStore) -> None:
     def add(author: str, name: str, points: range) -> None:
         def choose(palette: Palette) -> tuple[list[Label], dict[int, Write]]:
             number = palette.free_ids().take((name, ""), 40)
@@ -261,7 +262,7 @@ def test_a_label_id_keeps_its_meaning_over_undo_and_redo(store: LabelStore) -> N
     assert {label.id: label.name for label in store.palette(SEQ)} == {40: "road", 41: "building"}
 
 
-def test_a_distinct_label_has_a_name_and_a_colour_of_its_own(store: LabelStore) -> None:
+def test_a_distinct_label_has_a_name_and_a_colour_of_its_own(store: WorkspaceStore) -> None:
     for _ in range(3):
         store.create_label(SEQ, "ann", name="pin 1", color="#ff5d5d", distinct=True)
     store.create_label(SEQ, "bob", name="Pin 2", color="#FF5D5D", distinct=True)
@@ -272,7 +273,7 @@ def test_a_distinct_label_has_a_name_and_a_colour_of_its_own(store: LabelStore) 
     assert (asked.name, asked.color) == ("pin 1", "#ff5d5d")
 
 
-def test_since_brings_a_stale_copy_up_to_date(pins: LabelStore) -> None:
+def test_since_brings_a_stale_copy_up_to_date(pins: WorkspaceStore) -> None:
     rng = np.random.default_rng(7)
     copies: dict[int, np.ndarray[Any, Any]] = {0: pins.values(SEQ, 0).label}
     for step in range(12):
@@ -292,7 +293,7 @@ def test_since_brings_a_stale_copy_up_to_date(pins: LabelStore) -> None:
         pins.since(SEQ, pins.revision(SEQ) + 1)
 
 
-def test_subscribers_hear_each_commit_once_and_in_order(pins: LabelStore) -> None:
+def test_subscribers_hear_each_commit_once_and_in_order(pins: WorkspaceStore) -> None:
     heard: list[Commit] = []
     unsubscribe = pins.subscribe(heard.append)
     first = pins.revision(SEQ) + 1
@@ -312,7 +313,7 @@ def test_subscribers_hear_each_commit_once_and_in_order(pins: LabelStore) -> Non
     assert [commit.revision for commit in heard] == list(range(first, first + 40))
 
 
-def test_a_failing_subscriber_fails_nobody(pins: LabelStore) -> None:
+def test_a_failing_subscriber_fails_nobody(pins: WorkspaceStore) -> None:
     heard: list[Commit] = []
 
     def fail(_: Commit) -> None:
@@ -324,7 +325,7 @@ def test_a_failing_subscriber_fails_nobody(pins: LabelStore) -> None:
     eventually(lambda: len(heard) == 1)
 
 
-def test_the_history_tells_who_what_and_where(pins: LabelStore) -> None:
+def test_the_history_tells_who_what_and_where(pins: WorkspaceStore) -> None:
     paint(pins, [1, 2], edit_id="mine")
     paint(pins, [3], author="bob", frame=1)
     pins.undo(SEQ, "ann")
@@ -346,7 +347,7 @@ def test_the_history_tells_who_what_and_where(pins: LabelStore) -> None:
     assert redoable.id == "mine"
 
 
-def test_tracks_are_part_of_their_edit(pins: LabelStore) -> None:
+def test_tracks_are_part_of_their_edit(pins: WorkspaceStore) -> None:
     def run(confidence: float, frames: range) -> None:
         tracks = [{"frame": f, "label": 1, "confidence": confidence, "pose": [1.0]} for f in frames]
         pins.apply(
@@ -373,13 +374,13 @@ def test_tracks_are_part_of_their_edit(pins: LabelStore) -> None:
     assert seen() == newer
 
 
-def test_reopening_gives_everything_back(url: str, pins: LabelStore) -> None:
+def test_reopening_gives_everything_back(url: str, pins: WorkspaceStore) -> None:
     rng = np.random.default_rng(1)
     for step in range(150):  # past a snapshot of the blocks
         paint(pins, np.unique(rng.integers(0, N, 50)), label=1 + step % 3)
     pins.undo(SEQ, "ann")
     before = pins.values(SEQ, 0)
-    other = LabelStore(url)
+    other = WorkspaceStore(url)
     after = other.values(SEQ, 0)
     assert (before.label == after.label).all()
     assert (before.provenance == after.provenance).all()
@@ -394,7 +395,7 @@ def test_reopening_gives_everything_back(url: str, pins: LabelStore) -> None:
     other.close()
 
 
-def test_forgetting_a_sequence(pins: LabelStore) -> None:
+def test_forgetting_a_sequence(pins: WorkspaceStore) -> None:
     paint(pins, [1])
     pins.recordings.register(SEQ, [N, 70_000, 10, 0])
     with pytest.raises(ConflictError):
@@ -412,4 +413,4 @@ def test_forgetting_a_sequence(pins: LabelStore) -> None:
 def test_urls_that_are_no_database() -> None:
     for bad in ("nonsense", "sqlite://", "mysql://host/name"):
         with pytest.raises(BadInputError, match="expected"):
-            LabelStore(bad)
+            WorkspaceStore(bad)

@@ -10,11 +10,12 @@ from threading import Thread
 
 import pytest
 
+from pointbrush.accounts.roles import Role
+from pointbrush.database import backup
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.labels import LabelStore, backup
-from pointbrush.labels.projects import Change
-from pointbrush.labels.tasks import Stretch, Task, Wanted
-from pointbrush.roles import Role
+from pointbrush.teamwork.projects import Change
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.tasks import Stretch, Task, Wanted
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import old_workspace
@@ -23,23 +24,23 @@ SEQUENCE = "juggling"
 PROJECT = "default"
 
 
-def add(store: LabelStore, count: int, **more: str) -> list[Task]:
+def add(store: WorkspaceStore, count: int, **more: str) -> list[Task]:
     stretches = [Stretch(SEQUENCE, number, number) for number in range(count)]
     return store.team.tasks.add(PROJECT, "lead", stretches, **more)
 
 
-def test_no_two_people_at_two_servers_take_one_task(store: LabelStore, url: str) -> None:
+def test_no_two_people_at_two_servers_take_one_task(store: WorkspaceStore, url: str) -> None:
     add(store, 24)
     taken: list[tuple[str, int]] = []
 
-    def work(store: LabelStore, account: str) -> None:
+    def work(store: WorkspaceStore, account: str) -> None:
         while (task := store.team.tasks.take(PROJECT, account)) is not None:
             taken.append((account, task.number))
             store.team.tasks.change(
                 PROJECT, task.number, account, lambda t: replace(t, state="done")
             )
 
-    with closing(LabelStore(url)) as other:
+    with closing(WorkspaceStore(url)) as other:
         people = [
             Thread(target=work, args=(at, f"person {number}"))
             for number, at in enumerate((store, other, store, other))
@@ -56,12 +57,12 @@ def test_no_two_people_at_two_servers_take_one_task(store: LabelStore, url: str)
     assert sorted(numbers.elements()) == sorted(set(range(1, 25)) - {t.number for t in mine})
 
 
-def taken_once(store: LabelStore) -> None:
+def taken_once(store: WorkspaceStore) -> None:
     store.team.tasks.take(PROJECT, "twice")
 
 
 def test_what_comes_next_is_ones_own_then_what_was_returned_then_what_is_free(
-    store: LabelStore,
+    store: WorkspaceStore,
 ) -> None:
     add(store, 4)
     tasks = store.team.tasks
@@ -89,7 +90,7 @@ def test_what_comes_next_is_ones_own_then_what_was_returned_then_what_is_free(
 
 
 def test_a_call_that_is_repeated_makes_no_other_tasks_and_frames_have_one(
-    store: LabelStore,
+    store: WorkspaceStore,
 ) -> None:
     made = add(store, 2, batch="call")
     assert add(store, 2, batch="call") == made
@@ -103,7 +104,7 @@ def test_a_call_that_is_repeated_makes_no_other_tasks_and_frames_have_one(
 
 
 def test_a_recording_moves_when_its_tasks_are_over_and_a_project_goes_when_it_is_empty(
-    store: LabelStore,
+    store: WorkspaceStore,
 ) -> None:
     projects = store.team.projects
     projects.create("night", Change(name="Night", roles={"ada": "reviewer"}))
@@ -126,13 +127,13 @@ def test_a_recording_moves_when_its_tasks_are_over_and_a_project_goes_when_it_is
 
 
 def test_they_move_with_the_database_and_go_with_the_recording(
-    store: LabelStore, url: str, tmp_path: Path
+    store: WorkspaceStore, url: str, tmp_path: Path
 ) -> None:
     add(store, 2)
     store.team.projects.change(PROJECT, Change(name="First", roles={"ada": "viewer"}))
     backup.back_up(store.database, tmp_path / "copy.sqlite")
     backup.restore(tmp_path / "copy.sqlite", f"sqlite:///{tmp_path / 'again.sqlite'}")
-    with closing(LabelStore(f"sqlite:///{tmp_path / 'again.sqlite'}")) as again:
+    with closing(WorkspaceStore(f"sqlite:///{tmp_path / 'again.sqlite'}")) as again:
         assert again.team.projects.get(PROJECT) == store.team.projects.get(PROJECT)
         assert again.team.tasks.entries(PROJECT, Wanted()) == store.team.tasks.entries(
             PROJECT, Wanted()
@@ -163,7 +164,7 @@ def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
 
 
 def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
-    store: LabelStore,
+    store: WorkspaceStore,
 ) -> None:
     store.team.projects.create("night", Change(roles={"ada": "annotator"}))
     access = store.team.access
@@ -185,7 +186,7 @@ def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
 
 @pytest.mark.parametrize("roles", [{"ada": "annotator"}, {}])
 def test_deleted_recordings_of_a_closed_project_stay_hidden_after_it_is_removed(
-    store: LabelStore, roles: dict[str, Role]
+    store: WorkspaceStore, roles: dict[str, Role]
 ) -> None:
     store.team.projects.create("night", Change(roles=roles))
     store.recordings.register("shelf", [3], "one", "night")

@@ -11,18 +11,19 @@ from sqlalchemy import event, exc
 from waiting import eventually
 
 from pointbrush.errors import LockedLabelError, UnavailableError
-from pointbrush.labels import Commit, LabelStore, Write, journal
+from pointbrush.labels import Commit, Write, journal
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.state import SequenceState
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQUENCE = "juggling"
 
 
 def in_turn(
-    store: LabelStore, threads: ThreadPoolExecutor, *edits: tuple[str, int]
+    store: WorkspaceStore, threads: ThreadPoolExecutor, *edits: tuple[str, int]
 ) -> list[Future[Commit]]:
     """Paint edits of a label each, which wait for the recording's lock in this order."""
-    with store._sessions.knowing(SEQUENCE) as state:
+    with store._open_recordings.knowing(SEQUENCE) as state:
         waiting = []
         for number, (edit, label) in enumerate(edits, start=1):
             waiting.append(threads.submit(paint, store, edit, label))
@@ -30,19 +31,19 @@ def in_turn(
         return waiting
 
 
-def paint(store: LabelStore, edit: str, label: int) -> Commit:
+def paint(store: WorkspaceStore, edit: str, label: int) -> Commit:
     writes = {0: Write(np.arange(len(edit) * 100), label=label, provenance=1)}
     return store.apply(
         SEQUENCE, edit_id=edit, author=edit, kind="paint", writes=writes, summary=edit
     )
 
 
-def queued(store: LabelStore, state: SequenceState) -> int:
+def queued(store: WorkspaceStore, state: SequenceState) -> int:
     """Edits that wait for a recording's lock."""
     return len(store._writer._waiting.get(state, ()))
 
 
-def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
+def test_edits_that_wait_share_a_transaction(store: WorkspaceStore) -> None:
     store.create_label(SEQUENCE, "ann", name="open")
     store.create_label(SEQUENCE, "ann", name="locked", locked=True)
     begun: list[Any] = []
@@ -62,7 +63,7 @@ def test_edits_that_wait_share_a_transaction(store: LabelStore) -> None:
 
 
 def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
-    store: LabelStore, monkeypatch: pytest.MonkeyPatch
+    store: WorkspaceStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store.create_label(SEQUENCE, "ann", name="open")
     before, append = store.revision(SEQUENCE), journal.append
@@ -84,7 +85,7 @@ def test_a_commit_that_fails_is_everybodys_and_leaves_nothing(
 
 
 def test_a_database_that_goes_away_as_an_edit_is_drafted_fails_all_in_words(
-    store: LabelStore, monkeypatch: pytest.MonkeyPatch
+    store: WorkspaceStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store.create_label(SEQUENCE, "ann", name="open")
     before, write = store.revision(SEQUENCE), Draft.write

@@ -12,8 +12,11 @@ import psycopg
 import pytest
 from waiting import eventually
 
+from pointbrush.database.database import Limits
 from pointbrush.errors import NotFoundError
-from pointbrush.labels import Commit, LabelStore, Limits, Write, sessions
+from pointbrush.labels import Commit, Write
+from pointbrush.labels import open_recordings as sessions
+from pointbrush.teamwork.store import WorkspaceStore
 from tests import forked
 
 SEQ = "juggling"
@@ -22,7 +25,7 @@ POINTS = [70_000, 100]
 
 def edit(url: str, author: str) -> None:
     """Paint 20 times at another process."""
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         for number in range(20):
             write = Write(np.arange(number, number + 5), label=1 + number % 2, provenance=1)
             store.apply(
@@ -36,7 +39,7 @@ def edit(url: str, author: str) -> None:
 
 
 @pytest.fixture
-def here(url: str, store: LabelStore) -> LabelStore:
+def here(url: str, store: WorkspaceStore) -> WorkspaceStore:
     store.recordings.forget(SEQ)
     store.recordings.register(SEQ, POINTS)
     store.create_label(SEQ, "ann", name="one")
@@ -45,9 +48,9 @@ def here(url: str, store: LabelStore) -> LabelStore:
 
 
 def test_an_id_that_the_other_gave_and_took_back_is_not_given_again(
-    url: str, here: LabelStore
+    url: str, here: WorkspaceStore
 ) -> None:
-    there = LabelStore(url)
+    there = WorkspaceStore(url)
     for _ in range(5):
         there.palette(SEQ)
         gone = here.create_label(SEQ, "ann", name="three").id
@@ -56,7 +59,7 @@ def test_an_id_that_the_other_gave_and_took_back_is_not_given_again(
     there.close()
 
 
-def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
+def test_processes_hear_each_other(url: str, here: WorkspaceStore) -> None:
     heard: list[Commit] = []
     here.subscribe(heard.append)
     first = here.revision(SEQ)
@@ -78,8 +81,10 @@ def test_processes_hear_each_other(url: str, here: LabelStore) -> None:
     assert here.check(SEQ) == []
 
 
-def test_a_sequence_that_was_never_opened_here_is_heard_of_too(url: str, here: LabelStore) -> None:
-    there = LabelStore(url)
+def test_a_sequence_that_was_never_opened_here_is_heard_of_too(
+    url: str, here: WorkspaceStore
+) -> None:
+    there = WorkspaceStore(url)
     heard: list[int] = []
     there.subscribe(lambda commit: heard.append(commit.revision))
     here.apply(SEQ, edit_id=None, author="a", kind="paint", writes={}, summary="")
@@ -89,11 +94,11 @@ def test_a_sequence_that_was_never_opened_here_is_heard_of_too(url: str, here: L
 
 
 def test_what_was_missed_is_told_before_what_is_committed_while_opening(
-    url: str, here: LabelStore, monkeypatch: pytest.MonkeyPatch
+    url: str, here: WorkspaceStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    there = LabelStore(url)
+    there = WorkspaceStore(url)
     heard: list[int] = []
-    outbox = there._sessions.outbox
+    outbox = there._open_recordings.outbox
     outbox.subscribe(lambda commit: heard.append(commit.revision))  # but does not look by itself
     here.update_label(SEQ, "ann", 1, name="missed")
     edit = threading.Thread(target=there.update_label, args=(SEQ, "bob", 1), kwargs={"name": "x"})
@@ -112,8 +117,8 @@ def test_what_was_missed_is_told_before_what_is_committed_while_opening(
     assert heard == [3, 4]
 
 
-def test_an_edit_reaches_the_other_process_soon(url: str, here: LabelStore) -> None:
-    there = LabelStore(url)
+def test_an_edit_reaches_the_other_process_soon(url: str, here: WorkspaceStore) -> None:
+    there = WorkspaceStore(url)
     there.revision(SEQ)
     arrived = threading.Event()
     there.subscribe(lambda _: arrived.set())
@@ -125,8 +130,8 @@ def test_an_edit_reaches_the_other_process_soon(url: str, here: LabelStore) -> N
     there.close()
 
 
-def test_rules_see_what_another_process_committed(url: str, here: LabelStore) -> None:
-    there = LabelStore(url)
+def test_rules_see_what_another_process_committed(url: str, here: WorkspaceStore) -> None:
+    there = WorkspaceStore(url)
     there.values(SEQ, 0)
     here.apply(
         SEQ,
@@ -153,13 +158,13 @@ def test_rules_see_what_another_process_committed(url: str, here: LabelStore) ->
 
 
 def test_a_process_that_was_away_for_long(
-    url: str, here: LabelStore, monkeypatch: pytest.MonkeyPatch
+    url: str, here: WorkspaceStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sessions, "GAP", 5)
-    there = LabelStore(url)
+    there = WorkspaceStore(url)
     there.values(SEQ, 0)
     heard: list[Commit] = []
-    there._sessions.outbox.subscribe(heard.append)  # hears, but does not look by itself
+    there._open_recordings.outbox.subscribe(heard.append)  # hears, but does not look by itself
     for number in range(10):
         here.apply(
             SEQ,
@@ -179,8 +184,8 @@ def test_a_process_that_was_away_for_long(
     there.close()
 
 
-def test_a_sequence_made_anew_elsewhere(url: str, here: LabelStore, tmp_path: Path) -> None:
-    there = LabelStore(url)
+def test_a_sequence_made_anew_elsewhere(url: str, here: WorkspaceStore, tmp_path: Path) -> None:
+    there = WorkspaceStore(url)
     assert there.revision(SEQ) == 2
     here.recordings.forget(SEQ)
     with pytest.raises(NotFoundError):
@@ -193,8 +198,8 @@ def test_a_sequence_made_anew_elsewhere(url: str, here: LabelStore, tmp_path: Pa
 
 def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url: str) -> None:
     with (
-        closing(LabelStore(postgres_url)) as here,
-        closing(LabelStore(postgres_url, limits=Limits(statement_seconds=1))) as there,
+        closing(WorkspaceStore(postgres_url)) as here,
+        closing(WorkspaceStore(postgres_url, limits=Limits(statement_seconds=1))) as there,
     ):
         here.recordings.register(SEQ, POINTS)
         here.create_label(SEQ, "ann", name="one")

@@ -6,30 +6,31 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import ConflictError
-from pointbrush.labels import Commit, LabelStore, Write
+from pointbrush.labels import Commit, Write
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQ = "juggling"
 
 
-def paint(store: LabelStore, points: list[int], label: int, author: str) -> Commit:
+def paint(store: WorkspaceStore, points: list[int], label: int, author: str) -> Commit:
     write = Write(np.array(points), label=label, provenance=1)
     return store.apply(
         SEQ, edit_id=None, author=author, kind="paint", writes={0: write}, summary=author
     )
 
 
-def shown(store: LabelStore, count: int = 4) -> list[int]:
+def shown(store: WorkspaceStore, count: int = 4) -> list[int]:
     return store.values(SEQ, 0, 0, count).label.tolist()
 
 
 @pytest.fixture
-def pins(store: LabelStore) -> LabelStore:
+def pins(store: WorkspaceStore) -> WorkspaceStore:
     for name in ("one", "two", "three"):
         store.create_label(SEQ, "setup", name=name)
     return store
 
 
-def test_undo_takes_back_only_ones_own_part(pins: LabelStore) -> None:
+def test_undo_takes_back_only_ones_own_part(pins: WorkspaceStore) -> None:
     paint(pins, [0, 1, 2], 1, "ann")
     paint(pins, [1], 2, "bob")
     commit = pins.undo(SEQ, "ann")
@@ -39,7 +40,7 @@ def test_undo_takes_back_only_ones_own_part(pins: LabelStore) -> None:
     assert shown(pins) == [0, 0, 0, 0]
 
 
-def test_redo_goes_back_under_what_others_did_since(pins: LabelStore) -> None:
+def test_redo_goes_back_under_what_others_did_since(pins: WorkspaceStore) -> None:
     paint(pins, [0, 1], 1, "ann")
     pins.undo(SEQ, "ann")
     paint(pins, [1], 2, "bob")
@@ -49,7 +50,7 @@ def test_redo_goes_back_under_what_others_did_since(pins: LabelStore) -> None:
     assert shown(pins) == [1, 1, 0, 0]
 
 
-def test_undo_uncovers_an_edit_that_was_undone_when_it_was_covered(pins: LabelStore) -> None:
+def test_undo_uncovers_an_edit_that_was_undone_when_it_was_covered(pins: WorkspaceStore) -> None:
     paint(pins, [0], 1, "ann")
     paint(pins, [0], 2, "bob")
     pins.undo(SEQ, "bob")
@@ -60,7 +61,7 @@ def test_undo_uncovers_an_edit_that_was_undone_when_it_was_covered(pins: LabelSt
     assert shown(pins) == [2, 0, 0, 0]
 
 
-def test_undo_follows_a_chain_of_undone_edits(pins: LabelStore) -> None:
+def test_undo_follows_a_chain_of_undone_edits(pins: WorkspaceStore) -> None:
     for author, label in (("ann", 1), ("bob", 2), ("cat", 3), ("dan", 1), ("eve", 2)):
         paint(pins, [0, 1], label, author)
     for author in ("bob", "dan", "cat"):
@@ -76,7 +77,7 @@ def test_undo_follows_a_chain_of_undone_edits(pins: LabelStore) -> None:
     assert shown(pins) == [2, 2, 0, 0]
 
 
-def test_the_stack_is_per_author_and_a_new_edit_ends_redo(pins: LabelStore) -> None:
+def test_the_stack_is_per_author_and_a_new_edit_ends_redo(pins: WorkspaceStore) -> None:
     paint(pins, [0], 1, "ann")
     paint(pins, [1], 1, "bob")
     paint(pins, [2], 1, "ann")
@@ -96,7 +97,7 @@ def test_the_stack_is_per_author_and_a_new_edit_ends_redo(pins: LabelStore) -> N
     assert shown(pins) == [1, 1, 0, 3]
 
 
-def test_a_stroke_that_changes_nothing_is_no_step_of_undo(pins: LabelStore) -> None:
+def test_a_stroke_that_changes_nothing_is_no_step_of_undo(pins: WorkspaceStore) -> None:
     paint(pins, [0, 1], 1, "ann")
     paint(pins, [0], 1, "ann")
     paint(pins, [], 1, "ann")
@@ -106,7 +107,9 @@ def test_a_stroke_that_changes_nothing_is_no_step_of_undo(pins: LabelStore) -> N
     assert shown(pins) == [1, 1, 0, 0]
 
 
-def test_painting_over_the_same_colour_of_somebody_else_holds_on_to_it(pins: LabelStore) -> None:
+def test_painting_over_the_same_colour_of_somebody_else_holds_on_to_it(
+    pins: WorkspaceStore,
+) -> None:
     paint(pins, [0, 1], 1, "ann")
     assert paint(pins, [0], 1, "bob").changed == 0
     pins.undo(SEQ, "ann")
@@ -115,7 +118,7 @@ def test_painting_over_the_same_colour_of_somebody_else_holds_on_to_it(pins: Lab
     assert shown(pins) == [0, 0, 0, 0]
 
 
-def test_undoing_a_label_that_others_use_keeps_it(pins: LabelStore) -> None:
+def test_undoing_a_label_that_others_use_keeps_it(pins: WorkspaceStore) -> None:
     label = pins.create_label(SEQ, "ann", name="ann's", color="#123456")
     paint(pins, [0], label.id, "bob")
     commit = pins.undo(SEQ, "ann")
@@ -128,7 +131,7 @@ def test_undoing_a_label_that_others_use_keeps_it(pins: LabelStore) -> None:
     assert label in pins.palette(SEQ)
 
 
-def test_redo_brings_back_the_label_of_its_points(pins: LabelStore) -> None:
+def test_redo_brings_back_the_label_of_its_points(pins: WorkspaceStore) -> None:
     label = pins.create_label(SEQ, "ann", name="ann's", color="#123456")
     paint(pins, [0], label.id, "bob")
     pins.undo(SEQ, "bob")
@@ -145,7 +148,7 @@ def test_redo_brings_back_the_label_of_its_points(pins: LabelStore) -> None:
     assert pins.check(SEQ) == []
 
 
-def test_points_that_an_undo_uncovers_have_their_label(pins: LabelStore) -> None:
+def test_points_that_an_undo_uncovers_have_their_label(pins: WorkspaceStore) -> None:
     label = pins.create_label(SEQ, "ann", name="ann's")
     paint(pins, [0], label.id, "bob")
     paint(pins, [0], 1, "cat")
@@ -155,7 +158,7 @@ def test_points_that_an_undo_uncovers_have_their_label(pins: LabelStore) -> None
     assert shown(pins) == [label.id, 0, 0, 0]
 
 
-def test_redo_leaves_a_label_deleted_that_somebody_deleted(pins: LabelStore) -> None:
+def test_redo_leaves_a_label_deleted_that_somebody_deleted(pins: WorkspaceStore) -> None:
     paint(pins, [0], 1, "bob")
     pins.undo(SEQ, "bob")
     pins.delete_label(SEQ, "cat", 1)
@@ -165,7 +168,7 @@ def test_redo_leaves_a_label_deleted_that_somebody_deleted(pins: LabelStore) -> 
     assert shown(pins) == [1, 0, 0, 0]
 
 
-def test_undoing_an_unused_label_removes_it(pins: LabelStore) -> None:
+def test_undoing_an_unused_label_removes_it(pins: WorkspaceStore) -> None:
     label = pins.create_label(SEQ, "ann", name="ann's")
     assert pins.undo(SEQ, "ann").palette_changed
     assert label not in pins.palette(SEQ)
@@ -173,7 +176,7 @@ def test_undoing_an_unused_label_removes_it(pins: LabelStore) -> None:
     assert label in pins.palette(SEQ)
 
 
-def test_a_deleted_label_comes_back_with_its_points_also_covered_ones(pins: LabelStore) -> None:
+def test_a_deleted_label_comes_back_with_its_points_also_covered_ones(pins: WorkspaceStore) -> None:
     paint(pins, [0, 1, 2], 1, "ann")
     paint(pins, [1], 2, "bob")
     commit = pins.delete_label(SEQ, "cat", 1)
@@ -186,7 +189,7 @@ def test_a_deleted_label_comes_back_with_its_points_also_covered_ones(pins: Labe
     assert pins.counts(SEQ) == {(0, 1): (3, 3)}
 
 
-def test_a_new_label_with_a_deleted_ones_id_starts_empty(pins: LabelStore) -> None:
+def test_a_new_label_with_a_deleted_ones_id_starts_empty(pins: WorkspaceStore) -> None:
     paint(pins, [0, 1], 1, "ann")
     paint(pins, [1], 2, "bob")
     pins.delete_label(SEQ, "cat", 1)
@@ -198,7 +201,7 @@ def test_a_new_label_with_a_deleted_ones_id_starts_empty(pins: LabelStore) -> No
     assert pins.check(SEQ) == []
 
 
-def test_two_peoples_changes_of_a_label_are_undone_apart(pins: LabelStore) -> None:
+def test_two_peoples_changes_of_a_label_are_undone_apart(pins: WorkspaceStore) -> None:
     pins.update_label(SEQ, "ann", 1, name="ball", color="#ff0000")
     pins.update_label(SEQ, "bob", 1, color="#00FF00")
     pins.undo(SEQ, "ann")
@@ -210,7 +213,7 @@ def test_two_peoples_changes_of_a_label_are_undone_apart(pins: LabelStore) -> No
     assert (label.name, label.color) == ("ball", "#ff0000")
 
 
-def test_the_same_undo_twice_undoes_once(pins: LabelStore) -> None:
+def test_the_same_undo_twice_undoes_once(pins: WorkspaceStore) -> None:
     paint(pins, [0], 1, "ann")
     paint(pins, [1], 1, "ann")
     first = pins.undo(SEQ, "ann", "u")
@@ -221,7 +224,7 @@ def test_the_same_undo_twice_undoes_once(pins: LabelStore) -> None:
 
 
 def test_a_change_that_is_sent_again_is_answered_though_its_label_has_gone(
-    pins: LabelStore,
+    pins: WorkspaceStore,
 ) -> None:
     first = pins.update_label(SEQ, "ann", 1, name="ball", edit_id="e")
     pins.delete_label(SEQ, "bob", 1)

@@ -10,7 +10,7 @@ import pytest
 from random_edits import AUTHORS, POINTS, apply_to_store, boxes_of, random_edit
 
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 
 SEQUENCE = "journal"
 PROJECT = "default"
@@ -31,7 +31,9 @@ def seen(labels: Any, sequence: str) -> Any:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_version_is_what_was_there_after_all_that_follows(store: LabelStore, seed: int) -> None:
+def test_a_version_is_what_was_there_after_all_that_follows(
+    store: WorkspaceStore, seed: int
+) -> None:
     rng = random.Random(seed)
     store.recordings.register(SEQUENCE, POINTS)
     for number in range(1, 5):
@@ -44,16 +46,16 @@ def test_a_version_is_what_was_there_after_all_that_follows(store: LabelStore, s
         except PointbrushError:
             continue  # nothing to undo, or a label that is gone
         if number % 6 == 0:
-            version = store.team.versions.create(PROJECT, f"v{number}", "then", "ann").id
+            version = store.versions.create(PROJECT, f"v{number}", "then", "ann").id
             kept[version] = seen(store, SEQUENCE)
     assert len(kept) > 3
     for version, wanted in kept.items():
-        past = store.team.at(store.team.versions.moment(version, SEQUENCE))
+        past = store.at(store.versions.moment(version, SEQUENCE))
         assert seen(past, SEQUENCE) == wanted, version
 
 
-def test_a_version_is_its_projects_and_goes_with_the_recording(store: LabelStore) -> None:
-    versions = store.team.versions
+def test_a_version_is_its_projects_and_goes_with_the_recording(store: WorkspaceStore) -> None:
+    versions = store.versions
     made = versions.create(PROJECT, "one", "One", "ann")
     assert made.recordings == {"juggling": 0}
     with pytest.raises(ConflictError):

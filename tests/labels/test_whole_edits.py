@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from waiting import eventually
 
-from pointbrush.labels import GapError, LabelStore, Write
+from pointbrush.labels import GapError, Write
 from pointbrush.labels import draft as packed_changes
 from pointbrush.labels import effect as effects
 from pointbrush.labels.packing import BLOCK
+from pointbrush.teamwork.store import WorkspaceStore
 
 BLOCKS = 24
 POINTS = BLOCKS * BLOCK + 1_000
@@ -22,11 +23,11 @@ PIECE = 4 * BLOCK
 
 
 @pytest.fixture
-def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[LabelStore]:
+def store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[WorkspaceStore]:
     monkeypatch.setattr(packed_changes, "OPEN_POINTS", 3 * BLOCK)
     monkeypatch.setattr(effects, "LISTED_POINTS", 2 * BLOCK)
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
-    with closing(LabelStore(url, cache_bytes=8 << 20)) as opened:
+    with closing(WorkspaceStore(url, cache_bytes=8 << 20)) as opened:
         opened.recordings.register("scan", [POINTS])
         for name in ("a", "b", "c"):
             opened.create_label("scan", "setup", name=name)
@@ -37,7 +38,7 @@ def wanted(seed: int) -> np.ndarray:
     return np.random.default_rng(seed).integers(0, 4, POINTS).astype(np.uint16)
 
 
-def put(store: LabelStore, label: np.ndarray, **fields: str) -> int:
+def put(store: WorkspaceStore, label: np.ndarray, **fields: str) -> int:
     def pieces() -> Iterator[tuple[int, Write]]:
         for first in range(0, POINTS, PIECE):
             part = label[first : first + PIECE]
@@ -49,11 +50,11 @@ def put(store: LabelStore, label: np.ndarray, **fields: str) -> int:
     ).changed  # fmt: skip
 
 
-def shown(store: LabelStore) -> np.ndarray:
+def shown(store: WorkspaceStore) -> np.ndarray:
     return store.values("scan", 0).label
 
 
-def test_it_is_stored_undone_and_redone_like_a_small_one(store: LabelStore) -> None:
+def test_it_is_stored_undone_and_redone_like_a_small_one(store: WorkspaceStore) -> None:
     first, second = wanted(1), wanted(2)
     assert put(store, first) == POINTS
     put(store, second)
@@ -71,7 +72,7 @@ def test_it_is_stored_undone_and_redone_like_a_small_one(store: LabelStore) -> N
     assert store.check("scan") == []
 
 
-def test_who_listens_is_told_to_read_the_frame_whole(store: LabelStore) -> None:
+def test_who_listens_is_told_to_read_the_frame_whole(store: WorkspaceStore) -> None:
     heard = []
     store.subscribe(heard.append)
     put(store, wanted(3), edit_id="e")
@@ -95,7 +96,7 @@ def test_who_listens_is_told_to_read_the_frame_whole(store: LabelStore) -> None:
     assert next(iter(store.since("scan", 3))).frames == {0: None}
 
 
-def test_it_takes_the_memory_of_a_few_blocks(store: LabelStore) -> None:
+def test_it_takes_the_memory_of_a_few_blocks(store: WorkspaceStore) -> None:
     label = wanted(4)
     put(store, wanted(5))
     tracemalloc.start()
@@ -109,6 +110,6 @@ def test_it_takes_the_memory_of_a_few_blocks(store: LabelStore) -> None:
     assert most < 20 * POINTS
 
 
-def test_gaps_are_still_gaps(store: LabelStore) -> None:
+def test_gaps_are_still_gaps(store: WorkspaceStore) -> None:
     with pytest.raises(GapError):
         store.since("scan", 99)

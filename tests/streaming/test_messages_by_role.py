@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from pointbrush.accounts.roles import ROLES, includes
 from pointbrush.client import Client
-from pointbrush.roles import ROLES, includes
 from pointbrush.streaming.roles import MESSAGES
 from tests.serving import TOKEN, Served
 from tests.streaming.acting import run

@@ -12,7 +12,7 @@ import pytest
 
 from pointbrush.client import Client
 from pointbrush.errors import ForbiddenError, TooLargeError
-from pointbrush.labels.headset_reports import KEPT
+from pointbrush.teamwork.headset_reports import KEPT
 from tests.serving import Served
 
 REPORT: dict[str, Any] = json.loads(

@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from pointbrush.roles import ROLES
+from pointbrush.accounts.roles import ROLES
 from tests.serving import Served
 
 PLACE = [0.5, -0.25, 3.0]

@@ -10,8 +10,8 @@ from typing import Any, get_args
 import httpx
 import pytest
 
+from pointbrush.accounts.roles import ROLES, includes
 from pointbrush.job import Job
-from pointbrush.roles import ROLES, includes
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.web.app import create_app

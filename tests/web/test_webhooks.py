@@ -17,11 +17,11 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
+from pointbrush.database.job_records import JobRecord
 from pointbrush.errors import ForbiddenError
-from pointbrush.labels import LabelStore, webhooks
-from pointbrush.labels.job_records import JobRecord
-from pointbrush.labels.tasks import Stretch
-from pointbrush.work.projects import delivering
+from pointbrush.teamwork import delivering, webhooks
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.tasks import Stretch
 from tests.serving import TOKEN, add_sequence, serving, settings_in
 from tests.waiting import PATIENCE, eventually
 
@@ -127,7 +127,7 @@ class Slow(Receiver):
 def test_a_slow_receiver_delays_no_other(tmp_path: Path) -> None:
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
     slow, quick = Slow(), Receiver(0)
-    with closing(LabelStore(url)) as store, receiving(slow) as place, receiving(quick) as other:
+    with closing(WorkspaceStore(url)) as store, receiving(slow) as place, receiving(quick) as other:
         store.recordings.register("wall", [10, 10])
         hooks = delivering.Hooks(store.team.webhooks, private=True)
         hooks.open()
@@ -150,7 +150,7 @@ def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
     postgres = kind == "postgresql"
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
     url = str(request.getfixturevalue("postgres_url")) if postgres else url
-    with closing(LabelStore(url)) as here, closing(LabelStore(url)) as there:
+    with closing(WorkspaceStore(url)) as here, closing(WorkspaceStore(url)) as there:
         here.recordings.register("wall", [10])
         here.team.webhooks.add("default", "https://example.org", ["task", "labels", "job"])
         here.team.tasks.add("default", "lead", [Stretch("wall", 0, 0)])
@@ -177,7 +177,7 @@ def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
 
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/", "http://[::1]/", "http://localhost/"])
 def test_no_webhook_leads_to_this_machine(url: str, tmp_path: Path) -> None:
-    with closing(LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")) as store:
+    with closing(WorkspaceStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")) as store:
         hooks = delivering.Hooks(store.team.webhooks, private=False)
         with pytest.raises(ForbiddenError, match="public"):
             hooks.add("default", url)
@@ -190,7 +190,7 @@ def test_a_receiver_that_is_away_is_paused_and_told_everything_later(
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
     url = str(request.getfixturevalue("postgres_url")) if kind == "postgresql" else url
     monkeypatch.setattr(webhooks, "FIRST_WAIT", 60.0)
-    with closing(LabelStore(url)) as store:
+    with closing(WorkspaceStore(url)) as store:
         store.recordings.register("wall", [10] * 5)
         hooks = store.team.webhooks
         away = hooks.add("default", "https://away.example.org", ["task"])

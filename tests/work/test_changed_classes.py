@@ -17,11 +17,11 @@ from pointbrush.formats import EXPORTS
 from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Label
-from pointbrush.labels.projects import Change
-from pointbrush.labels.summaries import Effort, Search
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
+from pointbrush.teamwork.projects import Change
+from pointbrush.teamwork.summaries import Effort, Search
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 

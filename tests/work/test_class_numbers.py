@@ -13,7 +13,7 @@ import pytest
 
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
-from pointbrush.labels.taxonomy import Category
+from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

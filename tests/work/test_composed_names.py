@@ -15,7 +15,7 @@ from PIL import Image
 
 from pointbrush.formats import open_source
 from pointbrush.formats.tables.class_maps import parse_map
-from pointbrush.labels.taxonomy import Category
+from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE

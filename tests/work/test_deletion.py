@@ -17,11 +17,13 @@ import numpy as np
 import pytest
 from sqlalchemy import update
 
+from pointbrush.database import schema
+from pointbrush.database.guards import EXPIRY_SECONDS
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.labels import KEPT_SECONDS, LabelStore, schema
-from pointbrush.labels.guards import EXPIRY_SECONDS
+from pointbrush.labels import KEPT_SECONDS
 from pointbrush.labels.recordings import SURE_SECONDS, Recordings
 from pointbrush.settings import Settings
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.tracking import FrameResult, TrackState
 from pointbrush.work.tracking.job import PendingEdit
 from pointbrush.work.trash import Trash
@@ -309,7 +311,7 @@ def test_work_on_another_machine_guards_until_it_is_silent(workspace: Workspace)
 
 
 def guard(database: str) -> None:
-    LabelStore(database).guards.begin("ball", "tracking")
+    WorkspaceStore(database).guards.begin("ball", "tracking")
     print("begun", flush=True)
     time.sleep(PATIENCE)
 

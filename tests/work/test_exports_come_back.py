@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from pointbrush.formats import EXPORTS
 from pointbrush.labels import Label
-from pointbrush.labels.palette import default_color
-from pointbrush.labels.taxonomy import Category
+from pointbrush.labels.classes.palette import default_color
+from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 

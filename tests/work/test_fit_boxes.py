@@ -90,6 +90,6 @@ def test_frames_of_equal_times_fit_the_same_box(tmp_path: Path) -> None:
 
 
 def _edit(box: OrientedBox):  # type: ignore[no-untyped-def]
-    from pointbrush.labels.boxes import BoxEdit
+    from pointbrush.labels.boxes.editing import BoxEdit
 
     return BoxEdit([box])

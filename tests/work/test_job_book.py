@@ -11,7 +11,7 @@ import pytest
 
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_book import JobBook, record_of
 from tests.test_jobs import Count
 from tests.waiting import PATIENCE
@@ -30,7 +30,7 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
         runner.submit(job, Count(), lambda _job, _cancelled: {})
 
     waiting = Job("import", "s", request={"call": "again"})
-    with closing(LabelStore(url)) as store, caplog.at_level(logging.WARNING):
+    with closing(WorkspaceStore(url)) as store, caplog.at_level(logging.WARNING):
         store.jobs.add(record_of(waiting))
         store.jobs.release([waiting.id], "")
         runner = JobRunner(told.append, workers=1)

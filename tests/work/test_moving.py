@@ -13,8 +13,8 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.cli import main
+from pointbrush.database.backup import restore_sequence
 from pointbrush.errors import NotFoundError
-from pointbrush.labels.backup import restore_sequence
 from pointbrush.settings import Settings
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.work.imports.uploads import Uploads
@@ -145,7 +145,7 @@ def test_nothing_moves_while_a_server_runs_or_halfway(
     assert "expected no running server" in capsys.readouterr().err
     server.close()
     with monkeypatch.context() as patch:
-        patch.setattr("pointbrush.labels.backup._CONTINUE_NUMBERS", "SELECT 1 / 0")
+        patch.setattr("pointbrush.database.backup._CONTINUE_NUMBERS", "SELECT 1 / 0")
         assert run("move", postgres_url, *here) == 1
     assert state(settings) == before
     assert run("move", postgres_url, *here) == 0  # the target is as empty as it was

@@ -9,7 +9,7 @@ from threading import Barrier
 
 import pytest
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.palettes import NamedLabel, add_labels
 
 ROUNDS, LABELS = 8, 30
@@ -19,10 +19,10 @@ ROUNDS, LABELS = 8, 30
 def test_no_label_takes_the_place_of_another(tmp_path: Path, servers: int) -> None:
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
     with ExitStack() as stack:
-        stores = [stack.enter_context(closing(LabelStore(url))) for _ in range(servers)]
+        stores = [stack.enter_context(closing(WorkspaceStore(url))) for _ in range(servers)]
         ready = Barrier(2)
 
-        def add(store: LabelStore, sequence: str, person: str) -> list[str]:
+        def add(store: WorkspaceStore, sequence: str, person: str) -> list[str]:
             wanted = [NamedLabel(f"{person} {k}", person) for k in range(LABELS)]
             store.revision(sequence)
             ready.wait()

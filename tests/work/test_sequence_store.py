@@ -21,8 +21,9 @@ from s3fs import S3FileSystem
 from sqlalchemy import update
 
 from pointbrush.client import Client
+from pointbrush.database import schema
 from pointbrush.errors import DamagedError, NotFoundError, PointbrushError, UnavailableError
-from pointbrush.labels import KEPT_SECONDS, schema
+from pointbrush.labels import KEPT_SECONDS
 from pointbrush.labels.recordings import SURE_SECONDS
 from pointbrush.sequences import import_frames, open_sequence, verify
 from pointbrush.sequences.storage import files

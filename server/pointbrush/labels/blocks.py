@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from sqlalchemy import ColumnElement, Connection, Table, and_, bindparam, select
 
+from pointbrush.database.schema import edit_blocks, snapshots
 from pointbrush.labels.packing import BLOCK, Change, States, decode_change, decode_states
-from pointbrush.labels.schema import edit_blocks, snapshots
 
 Place = tuple[int, int, int]
 """Frame, layer, block."""

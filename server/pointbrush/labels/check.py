@@ -17,8 +17,23 @@ import numpy as np
 from sqlalchemy import ColumnElement, Connection, Table, and_, delete, func, insert, select
 from sqlalchemy.sql.base import ReadOnlyColumnCollection
 
-from pointbrush.labels import box_journal, palette
+from pointbrush.database.schema import (
+    IN_FORCE,
+    boxes,
+    counts,
+    edit_blocks,
+    edit_labels,
+    edit_tracks,
+    edits,
+    frame_changes,
+    labels,
+    snapshots,
+    tracks,
+)
 from pointbrush.labels.blocks import Place, block_size
+from pointbrush.labels.boxes import journal as box_journal
+from pointbrush.labels.classes import palette
+from pointbrush.labels.classes.palette import FIELDS
 from pointbrush.labels.effect import tally_labels
 from pointbrush.labels.packing import (
     BLOCK,
@@ -31,20 +46,6 @@ from pointbrush.labels.packing import (
     decode_states,
     encode_states,
     writer_of,
-)
-from pointbrush.labels.palette import FIELDS
-from pointbrush.labels.schema import (
-    IN_FORCE,
-    boxes,
-    counts,
-    edit_blocks,
-    edit_labels,
-    edit_tracks,
-    edits,
-    frame_changes,
-    labels,
-    snapshots,
-    tracks,
 )
 from pointbrush.labels.state import NONE, FrameLabel, SequenceState
 

@@ -22,14 +22,14 @@ from sqlalchemy import (
     update,
 )
 
-from pointbrush.labels import schema
+from pointbrush.database import schema
+from pointbrush.database.database import CHUNK
+from pointbrush.database.schema import edit_blocks, edit_boxes, edit_labels, edit_tracks, edits
+from pointbrush.database.statements import Driver, Statement, upsert
 from pointbrush.labels.blocks import Place
-from pointbrush.labels.database import CHUNK
 from pointbrush.labels.draft import Changes, Draft
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import Change, decode_change
-from pointbrush.labels.schema import edit_blocks, edit_boxes, edit_labels, edit_tracks, edits
-from pointbrush.labels.statements import Driver, Statement, upsert
 from pointbrush.labels.types import Commit, Label
 
 FIND = Statement(

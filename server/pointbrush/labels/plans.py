@@ -10,14 +10,17 @@ from typing import Any
 
 from sqlalchemy import Connection
 
+from pointbrush.database import schema
+from pointbrush.database.statements import driver_of
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.labels import box_journal, journal, palette, schema, undo
+from pointbrush.labels import journal, undo
+from pointbrush.labels.boxes import journal as box_journal
+from pointbrush.labels.classes import palette
+from pointbrush.labels.classes.palette import Palette, free_name_and_color
+from pointbrush.labels.classes.selection import allowed, require_allowed
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry, Told
-from pointbrush.labels.palette import Palette, free_name_and_color
-from pointbrush.labels.selection import allowed, require_allowed
 from pointbrush.labels.state import SequenceState
-from pointbrush.labels.statements import driver_of
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
 from pointbrush.oriented_box import OrientedBox

@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, Row, and_, distinct, func, select
 
+from pointbrush.database import schema
+from pointbrush.database.database import CHUNK
+from pointbrush.database.schema import edits
 from pointbrush.errors import BadInputError
-from pointbrush.labels import journal, schema
-from pointbrush.labels.database import CHUNK
+from pointbrush.labels import journal
+from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.packing import (
     BLOCK,
     DELETION,
@@ -23,8 +26,6 @@ from pointbrush.labels.packing import (
     label_of,
     provenance_of,
 )
-from pointbrush.labels.schema import edits
-from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import NotInMemoryError, SequenceState, visible
 from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label, Progress
 from pointbrush.labels.writes import require_paintable
@@ -254,43 +255,43 @@ class View:
     Other processes' commits are visible after ``look``, which a commit of an edit includes.
     """
 
-    def __init__(self, sessions: Sessions, sequence: str) -> None:
+    def __init__(self, open_recordings: OpenRecordings, sequence: str) -> None:
         """``sequence`` must be up to date."""
-        self._sessions, self._sequence = sessions, sequence
+        self._open_recordings, self._sequence = open_recordings, sequence
         self._looked = time.monotonic()
 
     def look(self) -> None:
         """Apply other processes' commits; raises NotFoundError, UnavailableError."""
         if time.monotonic() - self._looked > FRESH_SECONDS:
-            with self._sessions.knowing(self._sequence):
+            with self._open_recordings.knowing(self._sequence):
                 self._looked = time.monotonic()
 
     def values(self, frame: int, first: int, count: int | None) -> FrameValues:
         """Return the annotation of points [first, first + count) of a frame, if they exist."""
         try:
-            with self._sessions.knowing(self._sequence, look=False) as state:
+            with self._open_recordings.knowing(self._sequence, look=False) as state:
                 return values(None, state, frame, first, count)
         except NotInMemoryError:
-            with self._sessions.reading(self._sequence) as (connection, state):
+            with self._open_recordings.reading(self._sequence) as (connection, state):
                 return values(connection, state, frame, first, count)
 
     def at(self, frame: int, numbers: NDArray[np.int64]) -> FrameValues:
         """Return the annotation of sorted point ``numbers`` (n,) of a frame."""
         try:
-            with self._sessions.knowing(self._sequence, look=False) as state:
+            with self._open_recordings.knowing(self._sequence, look=False) as state:
                 return at(None, state, frame, numbers)
         except NotInMemoryError:
-            with self._sessions.reading(self._sequence) as (connection, state):
+            with self._open_recordings.reading(self._sequence) as (connection, state):
                 return at(connection, state, frame, numbers)
 
     def palette(self) -> dict[int, Label]:
         """Return the labels by id."""
-        with self._sessions.knowing(self._sequence, look=False) as state:
+        with self._open_recordings.knowing(self._sequence, look=False) as state:
             return state.palette
 
     def hidden(self) -> NDArray[np.bool_]:
         """Return for each label id 0..65535 whether the palette hides it."""
-        with self._sessions.knowing(self._sequence, look=False) as state:
+        with self._open_recordings.knowing(self._sequence, look=False) as state:
             return state.hidden
 
     def require_paintable(self, label: int, hidden: frozenset[int] | None = None) -> None:

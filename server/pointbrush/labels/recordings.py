@@ -10,16 +10,17 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, delete, select, update
 
+from pointbrush.database import schema
+from pointbrush.database.database import Database
+from pointbrush.database.guards import busy_with
+from pointbrush.database.project_rows import REMOVED, forget_tasks, put_in
+from pointbrush.database.project_tables import FIRST, tasks, version_recordings
+from pointbrush.database.revisions import IS_LIVE
+from pointbrush.database.statements import driver_of
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
-from pointbrush.labels import plans, schema
-from pointbrush.labels.database import Database
-from pointbrush.labels.guards import busy_with
-from pointbrush.labels.project_tables import FIRST, tasks, version_recordings
-from pointbrush.labels.projects import REMOVED, put_in
-from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import LIVE, decode_points, encode_points
-from pointbrush.labels.statements import driver_of
-from pointbrush.labels.tasks import forget_tasks
+from pointbrush.labels import plans
+from pointbrush.labels.open_recordings import OpenRecordings
+from pointbrush.labels.state import decode_points, encode_points
 
 KEPT_SECONDS = 30 * 86_400.0
 """Time for which a deleted recording can be restored."""
@@ -52,8 +53,8 @@ class Known:
 class Recordings:
     """Recordings with labels, including deleted recordings."""
 
-    def __init__(self, database: Database, sessions: Sessions) -> None:
-        self._database, self._sessions = database, sessions
+    def __init__(self, database: Database, open_recordings: OpenRecordings) -> None:
+        self._database, self._open_recordings = database, open_recordings
 
     def register(
         self,
@@ -78,7 +79,7 @@ class Recordings:
             row = _find(connection, sequence)
         if row is not None and row.identity == identity and _has(row, counts):
             return
-        with self._sessions.listing(), self._database.write() as connection:
+        with self._open_recordings.listing(), self._database.write() as connection:
             row = _find(connection, sequence, lock=True)
             if row is None or not _fits(row, counts, identity):
                 row = self._make_room(connection, sequence, row, counts, identity)
@@ -86,7 +87,7 @@ class Recordings:
                     put_in(connection, project, sequence)
             elif identity is not None and row.identity is None:
                 _change(connection, row.number, identity=identity)
-            self._sessions.watcher.announce(driver_of(connection))
+            self._open_recordings.watcher.announce(driver_of(connection))
         if not _has(row, counts):
             raise ConflictError(
                 f"sequence: expected {sequence!r} to keep its frames, got other point counts"
@@ -105,7 +106,7 @@ class Recordings:
             return there
         if there is not None:
             _change(connection, there.number, id=f"{sequence}.labels-{there.number}")
-        for row in connection.execute(select(schema.sequences).where(LIVE)).all():
+        for row in connection.execute(select(schema.sequences).where(IS_LIVE)).all():
             mine = identity is not None and row.identity == identity
             if mine and _SET_ASIDE.search(row.id) and _has(row, counts):
                 _change(connection, row.number, id=sequence)
@@ -119,21 +120,23 @@ class Recordings:
         }
         self._database.insert_new(connection, _LIVE_INDEX, fields)
         # Inserted here, or by another process at the same moment.
-        here = select(schema.sequences).where(_SEQUENCES.id == sequence, LIVE)
+        here = select(schema.sequences).where(_SEQUENCES.id == sequence, IS_LIVE)
         return connection.execute(here).one()
 
     def forget(self, sequence: str) -> None:
         """Remove a recording's labels with their history; an unknown recording is no error."""
-        with self._sessions.listing(), self._database.write() as connection:
+        with self._open_recordings.listing(), self._database.write() as connection:
             row = _find(connection, sequence, lock=True)
             if row is not None:
                 _erase(connection, row.number)
-        self._sessions.forget(sequence)
+        self._open_recordings.forget(sequence)
 
     def live(self) -> list[Known]:
         """Return all recordings that are not deleted."""
         with self._database.read() as connection:
-            return [_known(row) for row in connection.execute(select(schema.sequences).where(LIVE))]
+            return [
+                _known(row) for row in connection.execute(select(schema.sequences).where(IS_LIVE))
+            ]
 
     # ── deleted ones ─────────────────────────────────────────────────────────────────────
 
@@ -142,7 +145,7 @@ class Recordings:
 
         Raises NotFoundError, ConflictError while it is imported or tracked.
         """
-        with self._sessions.listing(), self._database.write() as connection:
+        with self._open_recordings.listing(), self._database.write() as connection:
             row = _find(connection, sequence, lock=True)
             if row is None:
                 raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
@@ -154,13 +157,13 @@ class Recordings:
                 connection, row.number, deleted=self._database.now(connection), identity=identity
             )
             row = connection.execute(_of(row.number)).one()
-            self._sessions.watcher.announce(driver_of(connection))
-        self._sessions.forget(sequence)
+            self._open_recordings.watcher.announce(driver_of(connection))
+        self._open_recordings.forget(sequence)
         return _known(row)
 
     def deleted(self) -> list[Known]:
         """Return the recordings that are deleted and not yet purged, newest first."""
-        query = select(schema.sequences).where(~LIVE).order_by(_SEQUENCES.deleted.desc())
+        query = select(schema.sequences).where(~IS_LIVE).order_by(_SEQUENCES.deleted.desc())
         with self._database.read() as connection:
             return [_known(row) for row in connection.execute(query)]
 
@@ -169,7 +172,7 @@ class Recordings:
 
         Raises NotFoundError if it is not deleted, or expired.
         """
-        with self._sessions.listing(), self._database.write() as connection:
+        with self._open_recordings.listing(), self._database.write() as connection:
             oldest = self._database.now(connection) - KEPT_SECONDS
             row = connection.execute(_of(number).with_for_update()).one_or_none()
             if row is None or row.deleted is None or row.deleted < oldest:
@@ -177,7 +180,7 @@ class Recordings:
             back = {"project": None} if row.project == REMOVED else {}
             _change(connection, number, id=sequence, deleted=None, expired=None, **back)
             row = connection.execute(_of(number)).one()
-            self._sessions.watcher.announce(driver_of(connection))
+            self._open_recordings.watcher.announce(driver_of(connection))
         return _known(row)
 
     def expired(self) -> list[Known]:
@@ -187,7 +190,7 @@ class Recordings:
         """
         with self._database.read() as connection:
             now = self._database.now(connection)
-            rows = connection.execute(select(schema.sequences).where(~LIVE)).all()
+            rows = connection.execute(select(schema.sequences).where(~IS_LIVE)).all()
         noted = {row.number: _first_seen(row, now) for row in rows}
         changed = [row.number for row in rows if row.expired != noted[row.number]]
         if changed:
@@ -206,7 +209,7 @@ class Recordings:
 
 
 def _find(connection: Connection, sequence: str, *, lock: bool = False) -> Row[Any] | None:
-    query = select(schema.sequences).where(_SEQUENCES.id == sequence, LIVE)
+    query = select(schema.sequences).where(_SEQUENCES.id == sequence, IS_LIVE)
     return connection.execute(query.with_for_update() if lock else query).one_or_none()
 
 

@@ -5,30 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from pointbrush.labels import check, integrity, palette, plans, reading
-from pointbrush.labels.accounts import Accounts, SignIns, Tokens
+from pointbrush.database import integrity
+from pointbrush.database.class_names import ClassNames, read_names
+from pointbrush.database.database import Database, Limits
+from pointbrush.database.revisions import revisions
+from pointbrush.database.schema import migrate
+from pointbrush.labels import check, plans, reading
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
-from pointbrush.labels.boxes import Boxes
-from pointbrush.labels.class_names import ClassNames, read_names
-from pointbrush.labels.database import Database, Limits
-from pointbrush.labels.guards import Guards
-from pointbrush.labels.headset_reports import HeadsetReports
-from pointbrush.labels.job_records import JobRecords
+from pointbrush.labels.boxes.editing import Boxes
+from pointbrush.labels.classes import palette
+from pointbrush.labels.classes.palette import Palette
+from pointbrush.labels.classes.taxonomy import Taxonomy
 from pointbrush.labels.journal import Told
-from pointbrush.labels.own_keys import OwnKeys
-from pointbrush.labels.palette import Palette
-from pointbrush.labels.people import People
+from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
 from pointbrush.labels.reading import View
 from pointbrush.labels.recordings import Recordings
-from pointbrush.labels.reviews import Reviews
-from pointbrush.labels.schema import migrate
-from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.signing_keys import SigningKeys
-from pointbrush.labels.state import revisions
-from pointbrush.labels.taxonomy import Taxonomy
-from pointbrush.labels.team import Team
 from pointbrush.labels.types import Commit, EditInfo, FrameValues, Label, Progress
+from pointbrush.labels.versions import Moment, PastLabels, Versions
 from pointbrush.labels.writer import Writer, require_import
 
 
@@ -50,25 +44,15 @@ class LabelStore:
         self.database = Database(url, limits)
         try:
             migrate(self.database)
-            self._sessions = Sessions(self.database, BlockCache(cache_bytes))
+            self._open_recordings = OpenRecordings(self.database, BlockCache(cache_bytes))
         except BaseException:
             self.database.close()
             raise
-        self._writer = Writer(self.database, self._sessions)
-        self.tokens = Tokens(self.database)
-        self.people = People(self.tokens)
-        self.accounts = Accounts(self.database)
-        self.sign_ins = SignIns(self.database)
-        self.signing_keys = SigningKeys(self.database)
-        self.own_keys = OwnKeys(self.database)
-        self.headset_reports = HeadsetReports(self.database)
-        self.taxonomy = Taxonomy(self.database, self._sessions)
-        self.recordings = Recordings(self.database, self._sessions)
-        self.reviews = Reviews(self.database)
-        self.boxes = Boxes(self._sessions, self._writer, self.taxonomy)
-        self.team = Team(self.database, self._sessions)
-        self.guards = Guards(self.database)
-        self.jobs = JobRecords(self.database, self.guards.owner)
+        self._writer = Writer(self.database, self._open_recordings)
+        self.taxonomy = Taxonomy(self.database, self._open_recordings)
+        self.recordings = Recordings(self.database, self._open_recordings)
+        self.boxes = Boxes(self._open_recordings, self._writer, self.taxonomy)
+        self.versions = Versions(self.database)
 
     def seal(self) -> None:
         """Refuse edits from now on if the database is read-only; see ``Database``."""
@@ -84,8 +68,7 @@ class LabelStore:
 
     def close(self) -> None:
         """Finish background work and close the connections."""
-        self.guards.close()
-        self._sessions.close()
+        self._open_recordings.close()
         self.database.close()
 
     def subscribe(self, listener: Callable[[Commit], None]) -> Callable[[], None]:
@@ -94,8 +77,8 @@ class LabelStore:
         It is called from any thread, also for commits of other processes on the same database.
         Returns a function that unsubscribes it.
         """
-        unsubscribe = self._sessions.outbox.subscribe(listener)
-        self._sessions.watcher.start()
+        unsubscribe = self._open_recordings.outbox.subscribe(listener)
+        self._open_recordings.watcher.start()
         return unsubscribe
 
     def watch_sequences(self, listener: Callable[[str], None]) -> None:
@@ -103,40 +86,40 @@ class LabelStore:
 
         Changes of other processes are noticed only if there is a subscriber to commits.
         """
-        self._sessions.came_or_went = listener
+        self._open_recordings.came_or_went = listener
 
     def watch_classes(self, listener: Callable[[str], None]) -> None:
         """Call ``listener`` with the id of each open sequence after classes were renamed."""
-        self._sessions.classes_renamed = listener
+        self._open_recordings.classes_renamed = listener
 
     # ── sequences ────────────────────────────────────────────────────────────────────────
 
     def require_import(self, sequence: str, identity: str) -> None:
         """Raise NotFoundError if the sequence was deleted, or another import has its id now."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             require_import(state, identity)
 
     def revision(self, sequence: str) -> int:
         """Return the number of edits so far, including undos and redos."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return state.revision
 
     def changed(self, sequence: str, frame: int) -> int:
         """Return the revision of a frame's last change; 0: none so far."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             state.frame_points(frame)
             return state.changed.get(frame, 0)
 
     def frame_changes(self, sequence: str) -> dict[int, int]:
         """Return the revision of the last change of each changed frame."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return dict(state.changed)
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     def palette(self, sequence: str) -> list[Label]:
         """Return the labels in their order."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return list(state.palette.values())
 
     def class_names(self) -> ClassNames:
@@ -146,12 +129,12 @@ class LabelStore:
 
     def label(self, sequence: str, label_id: int) -> Label:
         """Return a label; raises NotFoundError."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return palette.require(state.palette, label_id)
 
     def choosing(self, sequence: str) -> Palette:
         """Return the current palette, used to choose labels that an edit would add."""
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return plans.palette_of(connection, state)
 
     def require_paintable(
@@ -187,7 +170,7 @@ class LabelStore:
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # without another query, which could fail
             return commit.label
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return palette.created_by(connection, state.number, commit.revision, state.classes)
 
     def update_label(
@@ -206,7 +189,7 @@ class LabelStore:
         commit = self._writer.commit(sequence, entry.id, plan)
         if commit.label:  # it may be deleted from the current palette
             return commit.label
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             number, made = state.number, commit.revision
             label = palette.as_last_made(connection, number, label_id, state.classes, until=made)
         return palette.require({} if label is None else {label_id: label}, label_id)
@@ -258,30 +241,36 @@ class LabelStore:
 
     def view(self, sequence: str) -> View:
         """Return a view of the current labels for the many reads of a stroke."""
-        with self._sessions.knowing(sequence):
-            return View(self._sessions, sequence)
+        with self._open_recordings.knowing(sequence):
+            return View(self._open_recordings, sequence)
+
+    def at(self, moment: Moment) -> PastLabels:
+        """Return the labels of a recording as they were at a moment."""
+        return PastLabels(self._open_recordings, moment)
 
     def begin(self, sequence: str, edit_id: str) -> Commit | View:
         """Return the commit of an existing edit, or else a view for making the edit."""
-        return self._sessions.look_for(sequence, edit_id) or View(self._sessions, sequence)
+        return self._open_recordings.look_for(sequence, edit_id) or View(
+            self._open_recordings, sequence
+        )
 
     def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
         """Yield the annotation of a whole frame in runs of ``size`` points of one revision.
 
         Commits wait until the last run is taken, so the caller should do little in between.
         """
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             for first in range(0, max(state.frame_points(frame), 1), size):
                 yield reading.values(connection, state, frame, first, size)
 
     def counts(self, sequence: str) -> dict[tuple[int, int], tuple[int, int]]:
         """Return the number of points, and of painted points, by frame and label."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return reading.counts(state)
 
     def tracks(self, sequence: str) -> list[dict[str, Any]]:
         """Return the tracks as passed to ``apply``, by frame and label."""
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return reading.tracks(connection, state)
 
     def apply(
@@ -337,7 +326,7 @@ class LabelStore:
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the next edits for the author's undo and redo."""
-        with self._sessions.knowing(sequence) as state:
+        with self._open_recordings.knowing(sequence) as state:
             return reading.stacks(self.database.look, state.number, author)
 
     def edits(
@@ -352,26 +341,26 @@ class LabelStore:
 
         With ``after``, return lines of later revisions, oldest first.
         """
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return reading.history_lines(connection, state.number, before, limit, after)
 
     def authors(self, sequence: str) -> set[str]:
         """Return the accounts that edited a sequence."""
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return reading.authors(connection, state.number)
 
     def find(self, sequence: str, edit_id: str) -> Commit | None:
         """Return the commit of an edit by its id, marked ``repeated``, or None."""
-        return self._sessions.look_for(sequence, edit_id)
+        return self._open_recordings.look_for(sequence, edit_id)
 
     def since(self, sequence: str, revision: int) -> list[Commit]:
         """Return the commits after ``revision``; applied in order they give the current state.
 
         Raises GapError for too many commits, or a ``revision`` in the future.
         """
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             rows = reading.rows_to_resend(connection, state, revision)
-            return [self._sessions.load(connection, state, row) for row in rows]
+            return [self._open_recordings.load(connection, state, row) for row in rows]
 
     # ── care ─────────────────────────────────────────────────────────────────────────────
 
@@ -396,7 +385,7 @@ class LabelStore:
 
     def check(self, sequence: str) -> list[str]:
         """Return the differences of a sequence from its journal, one sentence each."""
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             return [finding.text for finding in check.check(connection, state)]
 
     def integrity(self) -> list[str]:
@@ -412,4 +401,4 @@ class LabelStore:
 
         Stop other processes first, as they would continue with outdated state in memory.
         """
-        return self._sessions.rebuild(sequence, check.repair)
+        return self._open_recordings.rebuild(sequence, check.repair)

@@ -15,14 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection, Row, and_, select
 
+from pointbrush.database import schema
+from pointbrush.database.schema import IN_FORCE, edit_tracks, edits
 from pointbrush.errors import UnavailableError
-from pointbrush.labels import box_journal, journal, schema
+from pointbrush.labels import journal
 from pointbrush.labels.blocks import Place
+from pointbrush.labels.boxes import journal as box_journal
+from pointbrush.labels.classes.palette import as_last_made, fields_of, fold
 from pointbrush.labels.draft import Draft, match_sorted
 from pointbrush.labels.effect import Effect
 from pointbrush.labels.packing import LABEL_BITS, LABELS, States, writer_of
-from pointbrush.labels.palette import as_last_made, fields_of, fold
-from pointbrush.labels.schema import IN_FORCE, edit_tracks, edits
 from pointbrush.labels.state import visible
 from pointbrush.labels.writes import locked_error
 

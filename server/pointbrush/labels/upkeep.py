@@ -10,12 +10,12 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
+from pointbrush.database.database import Database
+from pointbrush.database.schema import snapshots
+from pointbrush.database.statements import insert
 from pointbrush.errors import UnavailableError
 from pointbrush.labels.blocks import Place
-from pointbrush.labels.database import Database
 from pointbrush.labels.packing import States, encode_states
-from pointbrush.labels.schema import snapshots
-from pointbrush.labels.statements import insert
 
 log = logging.getLogger(__name__)
 

@@ -14,12 +14,26 @@ from typing import Any
 import numpy as np
 from sqlalchemy import ColumnElement, Connection, and_, delete, func, insert, select
 
+from pointbrush.database.class_names import read_names
+from pointbrush.database.database import Database
+from pointbrush.database.lost_answers import write_once
+from pointbrush.database.project_rows import LONGEST_NAME, lock_project
+from pointbrush.database.project_tables import version_recordings, versions
+from pointbrush.database.schema import (
+    LIVE,
+    PROJECT_OF,
+    WHOLE,
+    edit_blocks,
+    edit_tracks,
+    edits,
+    labels,
+    sequences,
+)
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
-from pointbrush.labels.box_journal import as_at, read_boxes
-from pointbrush.labels.boxes import BoxList
-from pointbrush.labels.class_names import read_names
-from pointbrush.labels.database import Database
-from pointbrush.labels.lost_answers import write_once
+from pointbrush.labels.boxes.editing import BoxList
+from pointbrush.labels.boxes.journal import as_at, read_boxes
+from pointbrush.labels.classes.palette import in_order
+from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.packing import (
     BLOCK,
     DELETION,
@@ -30,22 +44,7 @@ from pointbrush.labels.packing import (
     label_of,
     provenance_of,
 )
-from pointbrush.labels.palette import in_order
-from pointbrush.labels.project_tables import version_recordings, versions
-from pointbrush.labels.projects import LONGEST_NAME
-from pointbrush.labels.schema import (
-    LIVE,
-    PROJECT_OF,
-    WHOLE,
-    edit_blocks,
-    edit_tracks,
-    edits,
-    labels,
-    sequences,
-)
-from pointbrush.labels.sessions import Sessions
 from pointbrush.labels.state import SequenceState, exists_table, visible
-from pointbrush.labels.tasks import lock_project
 from pointbrush.labels.types import FrameValues, Label
 from pointbrush.names import require_visible
 
@@ -166,9 +165,9 @@ class Versions:
 class PastLabels:
     """Past labels of one recording, with the reading methods of a LabelStore."""
 
-    def __init__(self, sessions: Sessions, moment: Moment) -> None:
-        self._sessions, self._moment = sessions, moment
-        self.boxes = PastBoxes(sessions, moment)
+    def __init__(self, open_recordings: OpenRecordings, moment: Moment) -> None:
+        self._open_recordings, self._moment = open_recordings, moment
+        self.boxes = PastBoxes(open_recordings, moment)
 
     def palette(self, sequence: str) -> list[Label]:  # noqa: ARG002 - there is one recording
         """Return the labels in their order."""
@@ -176,14 +175,14 @@ class PastLabels:
 
     def runs(self, sequence: str, frame: int, size: int) -> Iterator[FrameValues]:
         """Yield the annotation of a whole frame in runs of ``size`` points."""
-        with self._sessions.reading(sequence) as (_, state):
+        with self._open_recordings.reading(sequence) as (_, state):
             count = _same(state, self._moment).frame_points(frame)
         for first in range(0, max(count, 1), size):
             yield self.values(sequence, frame, first, size)
 
     def values(self, sequence: str, frame: int, first: int, count: int) -> FrameValues:
         """Return the annotation of points [first, first + count) of a frame, if they exist."""
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             stop = min(_same(state, self._moment).frame_points(frame), first + count)
             words = {
                 layer: _words(connection, state, (frame, layer), first, stop, self._moment.revision)
@@ -207,7 +206,7 @@ class PastLabels:
         chosen = select(table.frame, table.label, table.revision, table.data).where(
             table.sequence == number, table.revision <= until
         )
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             _same(state, self._moment)
             undone = _undone(connection, number, until)
             rows = connection.execute(chosen.order_by(table.revision)).all()
@@ -225,7 +224,7 @@ class PastLabels:
             edits.c.revision > since,
             edits.c.revision <= self._moment.revision,
         )
-        with self._sessions.reading(sequence) as (connection, _):
+        with self._open_recordings.reading(sequence) as (connection, _):
             rows = connection.execute(chosen.distinct()).scalars().all()
         return sorted({frame for row in rows for frame in json.loads(row)})
 
@@ -233,13 +232,13 @@ class PastLabels:
 class PastBoxes:
     """Past boxes of one recording, with the reading methods of a LabelStore."""
 
-    def __init__(self, sessions: Sessions, moment: Moment) -> None:
-        self._sessions, self._moment = sessions, moment
+    def __init__(self, open_recordings: OpenRecordings, moment: Moment) -> None:
+        self._open_recordings, self._moment = open_recordings, moment
 
     def listing(self, sequence: str) -> BoxList:
         """Return the boxes of the labels at that time."""
         number, until = self._moment.number, self._moment.revision
-        with self._sessions.reading(sequence) as (connection, state):
+        with self._open_recordings.reading(sequence) as (connection, state):
             _same(state, self._moment)
             found = as_at(connection, number, until, _undone(connection, number, until))
         return BoxList(tuple(read_boxes(found, self._moment.palette.keys())), until)

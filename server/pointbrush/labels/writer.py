@@ -12,18 +12,21 @@ from weakref import WeakKeyDictionary
 
 from sqlalchemy import Connection
 
+from pointbrush.database import schema
+from pointbrush.database.database import Database
+from pointbrush.database.lost_answers import once_it_is_back
+from pointbrush.database.revisions import LOCK, found_in
+from pointbrush.database.statements import begin, commit, driver_of, together
 from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
-from pointbrush.labels import box_journal, journal, schema
+from pointbrush.labels import journal
 from pointbrush.labels.blocks import SNAPSHOT_EVERY, Place
-from pointbrush.labels.database import Database
+from pointbrush.labels.boxes import journal as box_journal
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.effect import Effect, effect_of
 from pointbrush.labels.journal import Entry
-from pointbrush.labels.lost_answers import once_it_is_back
+from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.packing import States
-from pointbrush.labels.sessions import Sessions
-from pointbrush.labels.state import LOCK, SequenceState, cell_of, found_in
-from pointbrush.labels.statements import begin, commit, driver_of, together
+from pointbrush.labels.state import SequenceState, cell_of
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
 from pointbrush.system import shortage
@@ -55,8 +58,8 @@ class Request:
 class Writer:
     """Commits requests in order for each recording."""
 
-    def __init__(self, database: Database, sessions: Sessions) -> None:
-        self._database, self._sessions = database, sessions
+    def __init__(self, database: Database, open_recordings: OpenRecordings) -> None:
+        self._database, self._open_recordings = database, open_recordings
         self._waiting: WeakKeyDictionary[SequenceState, deque[Request]] = WeakKeyDictionary()
         self._opening = threading.Lock()
 
@@ -75,12 +78,12 @@ class Writer:
         ``Request``.  An error of ``plan``, NotFoundError for another import, and UnavailableError
         leave the state unchanged.
         """
-        state = self._sessions.state(sequence)
+        state = self._open_recordings.state(sequence)
         request = Request(edit_id, plan, identity, alone)
         try:
             self._commit(state, request)
         finally:
-            self._sessions.outbox.drain()
+            self._open_recordings.outbox.drain()
         if request.error is not None:
             raise request.error
         assert request.commit is not None  # noqa: S101 – done
@@ -136,7 +139,7 @@ class Writer:
             self._fail(state, batch, error, ended=ended)
             return
         for done in made.values():
-            self._sessions.outbox.put(done)
+            self._open_recordings.outbox.put(done)
         for request, done in told:
             request.commit = done
 
@@ -188,12 +191,12 @@ class Writer:
             begin(driver)
             locked = LOCK.run(driver, {"sequence_id": state.id})
             found = [journal.look_for(driver, number, request.edit_id) for request in batch]
-        self._sessions.refresh(connection, state, found_in(LOCK.one(locked)))
+        self._open_recordings.refresh(connection, state, found_in(LOCK.one(locked)))
         if state.number != number:
             with together(driver):
                 found = [journal.look_for(driver, state.number, one.edit_id) for one in batch]
         rows = [row for row in map(journal.FIND.one, found) if row is not None]
-        return {row.id: self._sessions.load(connection, state, row) for row in rows}
+        return {row.id: self._open_recordings.load(connection, state, row) for row in rows}
 
     def _append(self, draft: Draft, entry: Entry, *, last: bool) -> Commit:
         """Write an edit and apply it to memory; ``last``: also commit the transaction."""
@@ -202,7 +205,7 @@ class Writer:
         driver = driver_of(draft.connection)
         with together(driver):
             journal.append(driver, draft, entry, made, effect)
-            self._sessions.watcher.announce(driver)
+            self._open_recordings.watcher.announce(driver)
             if last:
                 commit(driver)
         self.adopt(draft, effect)
@@ -255,7 +258,7 @@ class Writer:
             block = state.cached(place)
             if block is not None and block.age >= SNAPSHOT_EVERY and not block.queued:
                 block.queued = True
-                self._sessions.upkeep.snapshot(partial(_take, state, place))
+                self._open_recordings.upkeep.snapshot(partial(_take, state, place))
 
 
 def require_import(state: SequenceState, identity: str | None) -> None:

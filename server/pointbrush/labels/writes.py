@@ -15,8 +15,8 @@ from pointbrush.errors import (
     LockedLabelError,
     NotFoundError,
 )
+from pointbrush.labels.classes.palette import HIGHEST
 from pointbrush.labels.packing import BLOCK, PROVENANCE_SHIFT, confidence_bits
-from pointbrush.labels.palette import HIGHEST
 from pointbrush.labels.types import PREDICTED, Label, Only, Write
 from pointbrush.ranges import by_block
 

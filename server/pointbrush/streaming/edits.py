@@ -8,6 +8,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import cast
 
+from pointbrush.accounts.roles import require
 from pointbrush.errors import (
     BadInputError,
     PointbrushError,
@@ -15,7 +16,6 @@ from pointbrush.errors import (
     UnauthorizedError,
 )
 from pointbrush.labels import Commit
-from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub

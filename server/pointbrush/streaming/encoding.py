@@ -13,7 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Delta, FrameValues
-from pointbrush.labels.box_maps import fields_of
+from pointbrush.labels.boxes.maps import fields_of
 from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Chunk, StoredFrame
 from pointbrush.streaming import messages

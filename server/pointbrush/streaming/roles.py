@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pointbrush.roles import Role
+from pointbrush.accounts.roles import Role
 
 MESSAGES: Mapping[str, Role] = {
     "hello": "viewer",

@@ -13,6 +13,8 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from pointbrush import __version__
+from pointbrush.accounts.accounts import MARK, OWNER, require_name
+from pointbrush.accounts.roles import require
 from pointbrush.errors import (
     BadInputError,
     NotFoundError,
@@ -22,8 +24,6 @@ from pointbrush.errors import (
     UnavailableError,
 )
 from pointbrush.job import Job
-from pointbrush.labels.accounts import MARK, OWNER, require_name
-from pointbrush.roles import require
 from pointbrush.streaming import messages
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack

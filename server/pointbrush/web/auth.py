@@ -16,6 +16,8 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
+from pointbrush.accounts.accounts import OWNER, Token, digest_of
+from pointbrush.accounts.roles import ROLES, Role, require
 from pointbrush.errors import (
     ForbiddenError,
     NotFoundError,
@@ -23,10 +25,7 @@ from pointbrush.errors import (
     UnauthorizedError,
 )
 from pointbrush.job import Job
-from pointbrush.labels import Token
-from pointbrush.labels.accounts import OWNER, digest_of
 from pointbrush.labels.recordings import Known
-from pointbrush.roles import ROLES, Role, require
 from pointbrush.settings import Settings
 from pointbrush.web.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback

@@ -11,7 +11,7 @@ import secrets
 
 from starlette.requests import HTTPConnection
 
-from pointbrush.labels.signing_keys import SigningKeys
+from pointbrush.accounts.signing_keys import SigningKeys
 from pointbrush.web.cookies import Cookie
 
 PURPOSE = "browser account"

@@ -29,6 +29,8 @@ from joserfc import jwt
 from joserfc.errors import InvalidKeyIdError, JoseError
 from joserfc.jwk import KeySet
 
+from pointbrush.accounts.roles import ROLES, Role
+from pointbrush.accounts.signing_keys import SigningKeys
 from pointbrush.errors import (
     BadInputError,
     ForbiddenError,
@@ -36,9 +38,7 @@ from pointbrush.errors import (
     UnauthorizedError,
     UnavailableError,
 )
-from pointbrush.labels.signing_keys import SigningKeys
 from pointbrush.outgoing import Answer, Bounds, exchange
-from pointbrush.roles import ROLES, Role
 from pointbrush.settings import Settings
 from pointbrush.web.clients import is_loopback
 

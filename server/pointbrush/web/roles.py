@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pointbrush.roles import Role
+from pointbrush.accounts.roles import Role
 
 PREFIX = "/api/v1"
 

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from pointbrush.accounts.roles import Role
 from pointbrush.labels import Commit
-from pointbrush.labels.box_maps import LONGEST_SIDE
+from pointbrush.labels.boxes.maps import LONGEST_SIDE
 from pointbrush.names import HIDDEN
-from pointbrush.roles import Role
 from pointbrush.sequences import Manifest
 from pointbrush.streaming.messages import (
     Brush,

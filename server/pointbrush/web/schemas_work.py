@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from pointbrush.database.project_tables import FIRST
 from pointbrush.formats import format_names
 from pointbrush.formats.tables.corrections import (
     LARGEST_SCALE,
@@ -15,7 +16,6 @@ from pointbrush.formats.tables.corrections import (
     parse_corrections,
 )
 from pointbrush.formats.tables.names import DELIMITERS
-from pointbrush.labels.project_tables import FIRST
 from pointbrush.options import chosen
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS

@@ -6,9 +6,9 @@ import secrets
 import time
 from dataclasses import dataclass, replace
 
+from pointbrush.accounts.accounts import SignIn, Token, digest_of
 from pointbrush.errors import ReadOnlyError
-from pointbrush.labels import LabelStore, Token
-from pointbrush.labels.accounts import SignIn, digest_of
+from pointbrush.teamwork.store import WorkspaceStore
 
 SESSION_DAYS = 30
 MOST_KEPT = 10_000
@@ -27,7 +27,7 @@ class _Kept:
 class WebSessions:
     """Sessions of one server, in the shared database, or in memory if it is read-only."""
 
-    def __init__(self, store: LabelStore, own_token: str) -> None:
+    def __init__(self, store: WorkspaceStore, own_token: str) -> None:
         """``own_token``: the server's own; sessions made with another one are void."""
         self._store = store
         self._own = digest_of(own_token)

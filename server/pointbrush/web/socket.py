@@ -8,8 +8,8 @@ from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
 from uvicorn.protocols.utils import ClientDisconnected
 
+from pointbrush.accounts.roles import require
 from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
-from pointbrush.roles import require
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession

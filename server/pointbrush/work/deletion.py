@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from pointbrush.errors import NotFoundError, PointbrushError, ReadOnlyError, UnavailableError
-from pointbrush.labels import Known, LabelStore
+from pointbrush.labels import Known
 from pointbrush.sequences import Manifest
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports.submitting import register
 from pointbrush.work.library import Library
@@ -34,7 +35,7 @@ class Deletion:
     """Deletes and restores the recordings of one workspace."""
 
     def __init__(
-        self, library: Library, store: LabelStore, publish: Callable[[Event], None]
+        self, library: Library, store: WorkspaceStore, publish: Callable[[Event], None]
     ) -> None:
         self._library, self._store, self._publish = library, store, publish
         self._trash = library.store.deleted

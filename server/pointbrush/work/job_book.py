@@ -10,11 +10,11 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+from pointbrush.database.job_records import STALE_SECONDS, JobRecord, Wish
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.job import ENDED, Job
 from pointbrush.jobs import JobRunner
-from pointbrush.labels import LabelStore
-from pointbrush.labels.job_records import STALE_SECONDS, JobRecord, Wish
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.imports.requests import UPLOAD
 
@@ -41,7 +41,7 @@ class JobBook:
 
     def __init__(
         self,
-        store: LabelStore,
+        store: WorkspaceStore,
         runner: JobRunner,
         notify: Callable[[Job], None],
         begin: Mapping[str, Begin],

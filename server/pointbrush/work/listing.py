@@ -7,18 +7,19 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 
+from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import (
     DamagedError,
     NotFoundError,
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.labels import LabelStore, Progress
-from pointbrush.labels.project_tables import FIRST
-from pointbrush.labels.summaries import Search
+from pointbrush.labels import Progress
 from pointbrush.names import SCRATCH
 from pointbrush.sequences import Manifest, note_checksums, verify
 from pointbrush.sequences.storage.checksums import CHECKSUMS
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.summaries import Search
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
@@ -35,7 +36,7 @@ class Repaired:
     lost: list[str] = field(default_factory=list)
 
 
-def _repair_database(store: LabelStore, done: Repaired) -> None:
+def _repair_database(store: WorkspaceStore, done: Repaired) -> None:
     found = store.integrity()
     if not found:
         return
@@ -52,7 +53,7 @@ def _repair_database(store: LabelStore, done: Repaired) -> None:
     done.lost += [f"{line}; restore it from a backup" for line in found]
 
 
-def _repair_labels(store: LabelStore, sequence: str, done: Repaired) -> None:
+def _repair_labels(store: WorkspaceStore, sequence: str, done: Repaired) -> None:
     try:
         rebuilt, lost = store.repair(sequence)
     except ReadOnlyError:
@@ -96,7 +97,7 @@ class Listing:
     """The recordings of a workspace, their faults, and repairs; thread-safe."""
 
     def __init__(
-        self, library: Library, store: LabelStore, imports: Imports, deletion: Deletion
+        self, library: Library, store: WorkspaceStore, imports: Imports, deletion: Deletion
     ) -> None:
         self._library, self._store = library, store
         self._imports, self._deletion = imports, deletion

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from pointbrush.formats.tables.datasets import Dataset
-from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import Palette, default_color
-from pointbrush.labels.selection import require_allowed
+from pointbrush.labels import Label, Write
+from pointbrush.labels.classes.palette import Palette, default_color
+from pointbrush.labels.classes.selection import require_allowed
+from pointbrush.teamwork.store import WorkspaceStore
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +30,7 @@ class CountedLabel(Label):
     points: int = 0
 
 
-def counted_labels(store: LabelStore, sequence: str) -> list[CountedLabel]:
+def counted_labels(store: WorkspaceStore, sequence: str) -> list[CountedLabel]:
     """Return the palette of a recording with the number of points of each label."""
     points: Counter[int] = Counter()
     for (_, label), (count, _) in store.counts(sequence).items():
@@ -39,7 +40,7 @@ def counted_labels(store: LabelStore, sequence: str) -> list[CountedLabel]:
 
 
 def add_labels(
-    store: LabelStore, sequence: str, wanted: Sequence[NamedLabel], author: str
+    store: WorkspaceStore, sequence: str, wanted: Sequence[NamedLabel], author: str
 ) -> list[str]:
     """Add missing labels, by name and category, as one edit; return their names.
 
@@ -78,7 +79,7 @@ def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
     return fresh
 
 
-def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str) -> list[str]:
+def add_template(store: WorkspaceStore, sequence: str, dataset: Dataset, author: str) -> list[str]:
     """Add a label for each class of a dataset; the classes keep their numbers in its files.
 
     Classes that the recording's project has not selected are left out.
@@ -94,7 +95,7 @@ def add_template(store: LabelStore, sequence: str, dataset: Dataset, author: str
     return add_labels(store, sequence, wanted, author)
 
 
-def offered(store: LabelStore, sequence: str) -> tuple[bool, list[str]]:
+def offered(store: WorkspaceStore, sequence: str) -> tuple[bool, list[str]]:
     """Return whether the project has selected categories, and the available categories."""
     selected = store.team.projects.selection(sequence)
     known = [each.name for each in store.taxonomy.entries()]

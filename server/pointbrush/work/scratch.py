@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import threading
 
-from pointbrush.labels import LabelStore
-from pointbrush.labels.project_tables import FIRST
+from pointbrush.database.project_tables import FIRST
 from pointbrush.names import SCRATCH
 from pointbrush.sequences import import_frames
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.library import Library
 
@@ -23,7 +23,7 @@ class Scratch:
     It is marked as a copy of itself, which excludes it from statistics, versions and webhooks.
     """
 
-    def __init__(self, store: LabelStore, library: Library) -> None:
+    def __init__(self, store: WorkspaceStore, library: Library) -> None:
         self._store, self._library = store, library
         self._clearing = Copying(store, library.recording)
         self._lock = threading.Lock()

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from schemathesis.core.failures import FailureGroup
 from schemathesis.generation import GenerationMode
 
-from pointbrush.labels import LabelStore
-from pointbrush.roles import Role
+from pointbrush.accounts.roles import Role
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, running
 from tests.serving import add_sequence, settings_in
@@ -59,7 +59,7 @@ def calls(arena: Arena) -> None:
         "POINTBRUSH_WRONG_TOKENS_PER_MINUTE": "1000000",
     }
     server = arena.stack.enter_context(running(chosen.workspace, **options))
-    store = LabelStore(f"sqlite:///{chosen.workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{chosen.workspace / 'labels.sqlite'}")
     callers = [(store.tokens.add(role, role, None), False) for role in get_args(Role)]
     store.close()
     with server.api() as api:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import httpx
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.server import ServerProcess, running
 from tests.serving import add_sequence, settings_in
 from tests.torture.authors import Authors, quiet
@@ -45,7 +45,7 @@ def clock_jumps(arena: Arena) -> None:
 
 
 def _token(workspace: Path, expires: float) -> str:
-    store = LabelStore(f"sqlite:///{workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{workspace / 'labels.sqlite'}")
     try:
         return store.tokens.add("viewer", "gus", expires)
     finally:

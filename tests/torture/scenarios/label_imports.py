@@ -15,7 +15,7 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import FRAMES, SEQUENCE
 from tests.faults.server import ServerProcess
 from tests.faults.torture import make_workspace
@@ -131,7 +131,7 @@ def _imported(arena: Arena, url: str, servers: int) -> None:
 
 
 def _people(arena: Arena, served: list[ServerProcess], url: str) -> Iterator[Importer]:
-    store = LabelStore(url)
+    store = WorkspaceStore(url)
     for number, name in enumerate(PEOPLE):
         token = store.tokens.add("annotator", name, None)
         apis = [arena.stack.enter_context(server.api(token)) for server in served]

@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import SEQUENCE, RefusedError, SocketTalk
 from tests.faults.server import ServerProcess, running
 from tests.serving import add_sequence, settings_in
@@ -44,7 +44,7 @@ FRAMES = 2
 
 
 def _tokens(workspace: Path, roles: dict[str, str]) -> dict[str, str]:
-    store = LabelStore(f"sqlite:///{workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{workspace / 'labels.sqlite'}")
     try:
         return {name: store.tokens.add(role, name, None) for name, role in roles.items()}
     finally:

@@ -16,7 +16,7 @@ from typing import Any, Protocol
 
 import httpx
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.server import ServerProcess, running
 from tests.serving import add_sequence, settings_in
 from tests.torture.authors import quiet
@@ -117,7 +117,7 @@ def _worked_off(arena: Arena, url: str) -> None:
         return arena.stack.enter_context(running(settings.workspace, **environment))
 
     work.servers = [serve(), serve()]
-    store = LabelStore(settings.database_url)
+    store = WorkspaceStore(settings.database_url)
     people = {f"p{n}": store.tokens.add("annotator", f"p{n}", None) for n in range(PEOPLE)}
     store.close()
     with work.servers[0].api() as api:

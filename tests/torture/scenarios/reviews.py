@@ -11,7 +11,7 @@ from typing import Any
 
 import httpx
 
-from pointbrush.labels import LabelStore
+from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import FRAMES, SEQUENCE
 from tests.faults.server import ServerProcess
 from tests.faults.torture import make_workspace
@@ -56,7 +56,7 @@ def _judged(arena: Arena, url: str, servers: int) -> None:
     workspace = arena.folder / "workspace"
     make_workspace(workspace)
     served = arena.serve(workspace, url, servers)
-    store = LabelStore(url or f"sqlite:///{workspace / 'labels.sqlite'}")
+    store = WorkspaceStore(url or f"sqlite:///{workspace / 'labels.sqlite'}")
     judges = [
         Judge(
             name,

@@ -11,9 +11,9 @@ import httpx
 import numpy as np
 from sqlalchemy import delete
 
+from pointbrush.database.database import Database
+from pointbrush.database.schema import categories, dataset_numbers
 from pointbrush.formats.tables.datasets import NUSCENES, SEMANTIC_KITTI, Dataset
-from pointbrush.labels.database import Database
-from pointbrush.labels.schema import categories, dataset_numbers
 from tests.serving import add_sequence, settings_in
 from tests.torture.authors import quiet
 from tests.torture.framework import Arena, scenario

@@ -14,8 +14,8 @@ import numpy as np
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.forest import Trees
 from pointbrush.following import follow
-from pointbrush.labels import LabelStore
 from pointbrush.settings import Settings
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.workspace import Workspace
 from tests.faults.clients import FRAMES, SEQUENCE
@@ -165,5 +165,5 @@ def database_damaged(arena: Arena) -> None:
 
 def _labels(workspace: Path) -> list[bytes]:
     """Return the stored labels of each frame."""
-    with closing(LabelStore(f"sqlite:///{workspace / DATABASE}")) as store:
+    with closing(WorkspaceStore(f"sqlite:///{workspace / DATABASE}")) as store:
         return [store.values(SEQUENCE, frame).label.tobytes() for frame in range(FRAMES)]

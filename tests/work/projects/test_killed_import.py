@@ -10,9 +10,9 @@ import pytest
 
 from pointbrush.client import Client
 from pointbrush.errors import NotFoundError
-from pointbrush.labels.projects import Change
 from pointbrush.labels.recordings import Recordings
 from pointbrush.sequences.storage.manifest import read_manifest
+from pointbrush.teamwork.projects import Change
 from pointbrush.workspace import Workspace
 from tests.forked import call
 from tests.serving import serving, settings_in

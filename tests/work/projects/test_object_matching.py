@@ -8,7 +8,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from pointbrush.work.projects.matching import (
+from pointbrush.teamwork.matching import (
     UNDECIDED,
     disagreements,
     groups,

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.labels import LabelStore, Write
+from pointbrush.labels import Write
 from pointbrush.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.sequences import import_frames, open_sequence
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.reviewing.checking import Checker
 
 FRAMES, GROUND, CAR = 6, 3000, 500
@@ -34,9 +35,9 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def store(tmp_path: Path, recording: Path) -> LabelStore:
+def store(tmp_path: Path, recording: Path) -> WorkspaceStore:
     opened = open_sequence(recording)
-    store = LabelStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
+    store = WorkspaceStore(f"sqlite:///{tmp_path / 'labels.sqlite'}")
     store.recordings.register("street", opened.manifest.points)
     for name in ("car", "van"):
         store.create_label("street", "ann", name=name)
@@ -69,17 +70,17 @@ def box(
     return OrientedBox(0, label, size, poses, attributes or {})
 
 
-def found(store: LabelStore, recording: Path) -> list[tuple[str, int | None, int | None]]:
+def found(store: WorkspaceStore, recording: Path) -> list[tuple[str, int | None, int | None]]:
     checked = Checker(store).check(open_sequence(recording), range(FRAMES))
     kinds = [each for each in checked.findings if each.kind.startswith("box")]
     return [(each.kind, each.first, each.last) for each in kinds]
 
 
-def test_sound_boxes_are_not_suspicious(store: LabelStore, recording: Path) -> None:
+def test_sound_boxes_are_not_suspicious(store: WorkspaceStore, recording: Path) -> None:
     assert found(store, recording) == []
 
 
-def test_a_box_that_jumps_and_one_that_turns_about(store: LabelStore, recording: Path) -> None:
+def test_a_box_that_jumps_and_one_that_turns_about(store: WorkspaceStore, recording: Path) -> None:
     about = {"centre": [1.0, 0.0, 0.75], "quaternion": [0.0, 0.0, 1.0, 0.0]}
     store.boxes.change("street", "ann", 1, {"poses": {"2": about}})
     assert found(store, recording) == [("box_jump", 2, 3)]
@@ -89,13 +90,17 @@ def test_a_box_that_jumps_and_one_that_turns_about(store: LabelStore, recording:
     assert ("box_jump", 3, 4) in found(store, recording)
 
 
-def test_boxes_off_the_ground_and_beside_their_points(store: LabelStore, recording: Path) -> None:
+def test_boxes_off_the_ground_and_beside_their_points(
+    store: WorkspaceStore, recording: Path
+) -> None:
     raised = {"centre": [1.0, 0.0, 1.25]}
     store.boxes.change("street", "ann", 1, {"poses": {"2": raised}})
     assert found(store, recording) == [("box_ground", 2, 2), ("box_outside", 2, 2)]
 
 
-def test_boxes_without_points_unless_they_are_hidden(store: LabelStore, recording: Path) -> None:
+def test_boxes_without_points_unless_they_are_hidden(
+    store: WorkspaceStore, recording: Path
+) -> None:
     high = {4: (0.0, 0.0, 9.0)}
     made = store.boxes.add("street", "ann", box(2, high)).box.id
     assert found(store, recording) == [("box_empty", 4, 4)]
@@ -103,7 +108,7 @@ def test_boxes_without_points_unless_they_are_hidden(store: LabelStore, recordin
     assert found(store, recording) == []
 
 
-def test_boxes_that_overlap_and_those_of_two_sizes(store: LabelStore, recording: Path) -> None:
+def test_boxes_that_overlap_and_those_of_two_sizes(store: WorkspaceStore, recording: Path) -> None:
     beside = store.boxes.add("street", "ann", box(2, {1: (0.0, 2.05, 0.0)})).box.id
     store.boxes.change("street", "ann", beside, {"attributes": {"occluded": 3}})
     assert found(store, recording) == []
@@ -114,6 +119,6 @@ def test_boxes_that_overlap_and_those_of_two_sizes(store: LabelStore, recording:
     assert {kind for kind, *_ in found(store, recording)} >= {"box_size", "box_overlap"}
 
 
-def test_boxes_whose_front_is_unknown(store: LabelStore, recording: Path) -> None:
+def test_boxes_whose_front_is_unknown(store: WorkspaceStore, recording: Path) -> None:
     store.boxes.change("street", "ann", 1, {"heading_known": False})
     assert found(store, recording) == [("box_heading", 0, 0)]

@@ -8,7 +8,7 @@ from pathlib import Path
 from threading import Barrier, Event
 
 from pointbrush.errors import ForbiddenError
-from pointbrush.labels import Review
+from pointbrush.teamwork.reviews import Review
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

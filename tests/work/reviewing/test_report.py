@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from pointbrush.cli import main
-from pointbrush.labels import EditInfo, Review
+from pointbrush.labels import EditInfo
+from pointbrush.teamwork.reviews import Review
 from pointbrush.work.reviewing.report.gather import EffortOptions, effort_of, to_csv
 from pointbrush.work.reviewing.report.html import duration, to_html
 from pointbrush.work.reviewing.report.plots import MOST, columns

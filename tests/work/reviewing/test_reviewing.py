@@ -10,8 +10,8 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.errors import BadInputError
-from pointbrush.labels import Review
 from pointbrush.settings import Settings
+from pointbrush.teamwork.reviews import Review
 from pointbrush.work.exporting import source_columns
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pointbrush.labels import Review
+from pointbrush.teamwork.reviews import Review
 from pointbrush.work.reviewing.states import Overview, replay, state_at
 
 FRAMES = 10

@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from pointbrush.labels.box_maps import NAME_LIMIT, TEXT_LIMIT
+from pointbrush.accounts.roles import Role as Role
+from pointbrush.labels.boxes.maps import NAME_LIMIT, TEXT_LIMIT
 from pointbrush.oriented_box import BoxProvenance
-from pointbrush.roles import Role as Role
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
 from pointbrush.selection.shape import (

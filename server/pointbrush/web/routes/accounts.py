@@ -8,9 +8,9 @@ from typing import Annotated
 from fastapi import Path, Query
 from pydantic import Field
 
-from pointbrush.labels.accounts import LONGEST_NAME, Token
+from pointbrush.accounts.accounts import LONGEST_NAME, Token
+from pointbrush.accounts.roles import Role
 from pointbrush.names import HIDDEN
-from pointbrush.roles import Role
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses

@@ -8,13 +8,13 @@ from fastapi import Query
 from pydantic import Field
 
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
+from pointbrush.teamwork.matching import Kind
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.checks import AgreementOut
 from pointbrush.web.schemas import Body, EditOut, Out
 from pointbrush.work.projects.agreeing import Region
-from pointbrush.work.projects.matching import Kind
 
 router = resource("agreement")
 Whole = Annotated[

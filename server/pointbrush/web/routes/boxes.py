@@ -8,7 +8,7 @@ from fastapi import Path, Query, Response
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import Made
-from pointbrush.labels.box_maps import MOST_ATTRIBUTES, box_of
+from pointbrush.labels.boxes.maps import MOST_ATTRIBUTES, box_of
 from pointbrush.oriented_box import BoxProvenance
 from pointbrush.streaming.encoding import box_message
 from pointbrush.streaming.messages import (

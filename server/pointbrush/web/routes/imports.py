@@ -16,11 +16,11 @@ from pydantic import Field
 from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
+from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.names import POSES
-from pointbrush.labels.project_tables import FIRST
 from pointbrush.web.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import problem_of, responses

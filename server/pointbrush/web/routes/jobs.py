@@ -6,8 +6,8 @@ from typing import Annotated
 
 from fastapi import Query
 
+from pointbrush.accounts.roles import require
 from pointbrush.errors import NotFoundError
-from pointbrush.roles import require
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses

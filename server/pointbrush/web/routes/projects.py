@@ -8,9 +8,9 @@ from typing import Annotated
 from fastapi import Response
 from pydantic import Field
 
-from pointbrush.labels.projects import Change
-from pointbrush.labels.tasks import TaskState
-from pointbrush.roles import Role
+from pointbrush.accounts.roles import Role
+from pointbrush.teamwork.projects import Change
+from pointbrush.teamwork.tasks import TaskState
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses

@@ -8,9 +8,9 @@ from typing import Annotated
 from fastapi import Query
 from pydantic import BeforeValidator, Field
 
-from pointbrush.labels import Review
-from pointbrush.roles import includes, require
+from pointbrush.accounts.roles import includes, require
 from pointbrush.streaming.messages import FrameIndex, Vec3
+from pointbrush.teamwork.reviews import Review
 from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses

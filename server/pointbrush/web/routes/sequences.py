@@ -8,10 +8,10 @@ from typing import Annotated
 import numpy as np
 from fastapi import Depends, Query
 
-from pointbrush.labels.access import COMPARES
-from pointbrush.labels.summaries import Search
-from pointbrush.labels.tasks import TaskState
-from pointbrush.roles import includes
+from pointbrush.accounts.roles import includes
+from pointbrush.teamwork.access import COMPARES
+from pointbrush.teamwork.summaries import Search
+from pointbrush.teamwork.tasks import TaskState
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.problems import responses

@@ -8,9 +8,11 @@ from typing import Annotated, Literal
 from fastapi import Path, Query
 from pydantic import Field
 
-from pointbrush.labels.tasks import TaskState, Wanted
-from pointbrush.roles import require
+from pointbrush.accounts.roles import require
 from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
+from pointbrush.teamwork.rules import Person as Asker
+from pointbrush.teamwork.rules import Wish
+from pointbrush.teamwork.tasks import TaskState, Wanted
 from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
@@ -18,8 +20,6 @@ from pointbrush.web.roles import DECIDE
 from pointbrush.web.routes.review import Note, Person
 from pointbrush.web.schemas import Body, Out
 from pointbrush.work.projects.queue import NewTasks
-from pointbrush.work.projects.rules import Person as Asker
-from pointbrush.work.projects.rules import Wish
 
 router = resource("tasks")
 TaskNumber = Annotated[int, Path(ge=1, lt=2**31, description="number of the task")]

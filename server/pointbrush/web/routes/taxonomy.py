@@ -8,9 +8,9 @@ from fastapi import Path
 from pydantic import BaseModel, Field
 
 from pointbrush.labels import BoxAttribute, Category
-from pointbrush.labels.box_attributes import MOST_CHOICES, AttributeKind, Scope
-from pointbrush.labels.box_maps import MOST_ATTRIBUTES, NAME_LIMIT
-from pointbrush.labels.taxonomy import Taxonomy
+from pointbrush.labels.boxes.attributes import MOST_CHOICES, AttributeKind, Scope
+from pointbrush.labels.boxes.maps import MOST_ATTRIBUTES, NAME_LIMIT
+from pointbrush.labels.classes.taxonomy import Taxonomy
 from pointbrush.names import HIDDEN
 from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws

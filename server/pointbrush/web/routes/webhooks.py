@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import Path
 from pydantic import Field
 
-from pointbrush.labels.webhooks import Topic
+from pointbrush.teamwork.webhooks import Topic
 from pointbrush.web.auth import resource
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import responses

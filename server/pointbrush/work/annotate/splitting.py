@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import ConflictError
 from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.palette import Palette, default_color
+from pointbrush.labels.classes.palette import Palette, default_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.selection.cluster import connected_parts, usual_gap
 from pointbrush.work.annotate.strokes import edit_id

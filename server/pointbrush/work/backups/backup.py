@@ -18,12 +18,12 @@ from typing import Any
 
 from sqlalchemy import make_url
 
+from pointbrush.database.backup import back_up, move, restore, restore_file, restore_sequence
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.labels import LabelStore, move, restore
-from pointbrush.labels.backup import back_up, restore_file, restore_sequence
 from pointbrush.names import is_plain
 from pointbrush.sequences.storage.manifest import rename_sequence
 from pointbrush.system import shortages_in_words
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
 
@@ -115,7 +115,7 @@ def is_backup(folder: Path) -> bool:
 
 
 def make_backup(
-    store: LabelStore,
+    store: WorkspaceStore,
     library: Library,
     target: Path,
     classifiers: Path | None = None,
@@ -166,7 +166,7 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
         raise
 
 
-def restore_one(store: LabelStore, library: Library, source: Path, sequence: str) -> str:
+def restore_one(store: WorkspaceStore, library: Library, source: Path, sequence: str) -> str:
     """Restore one recording of a backup into a workspace, even one in use; return its id.
 
     Its labels, history and tracks are restored too.  If its id is taken, it gets a free one.

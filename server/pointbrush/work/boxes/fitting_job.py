@@ -20,7 +20,7 @@ from pointbrush.fitting import (
 from pointbrush.job import MESSAGE, Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import Label, LabelStore
-from pointbrush.labels.boxes import BoxEdit
+from pointbrush.labels.boxes.editing import BoxEdit
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence

@@ -17,7 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.job import MESSAGE, Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import Palette
+from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import PREDICTED
 from pointbrush.sequences import Sequence as Recording

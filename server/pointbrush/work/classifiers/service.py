@@ -23,9 +23,9 @@ from pointbrush.classify.models import BUILT_IN, Models
 from pointbrush.classify.options import MOST_IGNORED
 from pointbrush.classify.reliability import HeldOut
 from pointbrush.classify.smoothing import Chances
+from pointbrush.database.class_names import ClassNames
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import Commit, LabelStore, Write
-from pointbrush.labels.class_names import ClassNames
 from pointbrush.labels.types import PAINTED
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording

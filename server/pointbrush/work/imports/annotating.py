@@ -14,7 +14,7 @@ from pointbrush.formats import Limits
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.palette import Palette
+from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED
 from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Sequence as Recording

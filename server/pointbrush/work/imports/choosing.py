@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from pointbrush.database.class_names import ClassNames
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.labels import Label
-from pointbrush.labels.class_names import ClassNames
-from pointbrush.labels.palette import HIGHEST, Called, Palette, default_color
+from pointbrush.labels.classes.palette import HIGHEST, Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
 TOLD = 20

@@ -39,7 +39,7 @@ from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.formats.times.matching import FrameName, frames_of_numbers, match, matched
-from pointbrush.labels.box_journal import MOST_BOXES
+from pointbrush.labels.boxes.journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.manifest import Manifest

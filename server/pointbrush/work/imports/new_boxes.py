@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.scene import SAME_SIZE
-from pointbrush.labels.box_maps import box_of, fields_of
+from pointbrush.labels.boxes.maps import box_of, fields_of
 from pointbrush.oriented_box import OrientedBox
 from pointbrush.quaternions import rotation_of
 from pointbrush.work.imports.choosing import Chosen

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.timing import natural_key
 from pointbrush.job import ENDED, Job
-from pointbrush.labels.project_tables import FIRST
 
 UPLOAD = "upload"
 """Key in a job's request: the folder of its uploaded files, or None."""

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.tables.datasets import DATASETS, ClassName
 from pointbrush.formats.tables.palette import SourceLabel
-from pointbrush.labels import Label, LabelStore, Write
-from pointbrush.labels.palette import Palette
+from pointbrush.labels import Label, Write
+from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.importing import PART_POINTS
 from pointbrush.work.imports.naming import Key, Naming, keys_of, learn_numbers
@@ -25,7 +26,7 @@ INTERRUPTED = "their import was interrupted"
 class SourceLabels:
     """Imports the labels in the files of recordings, and keeps the reasons of failures."""
 
-    def __init__(self, store: LabelStore) -> None:
+    def __init__(self, store: WorkspaceStore) -> None:
         self._store = store
         self._reasons: dict[str, str] = {}  # by identity
 
@@ -68,7 +69,7 @@ def came_with_files(frames: int) -> str:
     return f"labels that came with the files, {frames} frames"
 
 
-def import_source_labels(store: LabelStore, recording: Recording, author: str) -> list[str]:
+def import_source_labels(store: WorkspaceStore, recording: Recording, author: str) -> list[str]:
     """Commit the labels in the files as an edit that also adds their palette.
 
     An edit without labelled points is also committed, as a mark of success.  Returns warnings.

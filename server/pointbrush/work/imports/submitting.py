@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pointbrush import formats
+from pointbrush.database.guards import Guard
+from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import (
     ConflictError,
     NotFoundError,
@@ -19,13 +21,11 @@ from pointbrush.errors import (
 )
 from pointbrush.job import Job
 from pointbrush.jobs import JobRunner
-from pointbrush.labels import LabelStore
-from pointbrush.labels.guards import Guard
-from pointbrush.labels.project_tables import FIRST
 from pointbrush.lazy import once
 from pointbrush.names import composed, require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.imports import importing
 from pointbrush.work.imports.requests import SAMPLE, ImportRequest, drop_repeated, drop_upload
@@ -51,7 +51,7 @@ class Imports:
     def __init__(
         self,
         library: Library,
-        store: LabelStore,
+        store: WorkspaceStore,
         runner: JobRunner,
         jobs: JobBook,
         publish: Callable[[Event], None],
@@ -278,7 +278,7 @@ class Imports:
             raise
 
 
-def register(store: LabelStore, manifest: Manifest) -> None:
+def register(store: WorkspaceStore, manifest: Manifest) -> None:
     """Make a recording known, in the project of its import if it is a new one."""
     store.recordings.register(
         manifest.id, manifest.points, manifest.identity, manifest.project or FIRST

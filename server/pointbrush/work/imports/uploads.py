@@ -11,8 +11,8 @@ import uuid
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
+from pointbrush.database.guards import host
 from pointbrush.errors import UnavailableError
-from pointbrush.labels.guards import host
 from pointbrush.system import process_alive
 
 BEAT_SECONDS = 5.0

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.labels import Commit, Label, LabelStore, Write
-from pointbrush.labels.copies import Copy
-from pointbrush.labels.palette import Palette, free_name_and_color
+from pointbrush.labels import Commit, Label, Write
+from pointbrush.labels.classes.palette import Palette, free_name_and_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork import matching
+from pointbrush.teamwork.copies import Copy
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.library import Library
-from pointbrush.work.projects import matching
 from pointbrush.work.reviewing import comparing
 
 Labels = NDArray[np.uint16]
@@ -86,7 +87,7 @@ class Score:
 class Agreeing:
     """Comparison of several people's labels of the same points; thread-safe."""
 
-    def __init__(self, store: LabelStore, library: Library) -> None:
+    def __init__(self, store: WorkspaceStore, library: Library) -> None:
         self._store, self._library = store, library
 
     def compare(self, project: str, sequence: str) -> list[Pair]:

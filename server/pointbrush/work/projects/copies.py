@@ -10,18 +10,24 @@ from pathlib import Path
 
 import numpy as np
 
-from pointbrush.labels import LabelStore, Write
-from pointbrush.labels.copies import CopyKind
+from pointbrush.labels import Write
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.storage.manifest import rename_sequence
 from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
+from pointbrush.teamwork.copies import CopyKind
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.source_labels import came_with_files, edit_of
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
 
 
 def make_copy(
-    store: LabelStore, library: Library, sequence: str, project: str, frames: range, kind: CopyKind
+    store: WorkspaceStore,
+    library: Library,
+    sequence: str,
+    project: str,
+    frames: range,
+    kind: CopyKind,
 ) -> str:
     """Copy a recording with its palette within a project; return the id of the copy.
 
@@ -57,7 +63,9 @@ def make_copy(
     return guard.sequence
 
 
-def _copied(store: LabelStore, recording: Recording, frames: range) -> Iterator[tuple[int, Write]]:
+def _copied(
+    store: WorkspaceStore, recording: Recording, frames: range
+) -> Iterator[tuple[int, Write]]:
     for frame in frames:
         values = store.values(recording.manifest.id, frame)
         held = np.flatnonzero((values.label > 0) | values.deleted)

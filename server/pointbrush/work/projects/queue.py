@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from pointbrush.accounts.accounts import require_name
+from pointbrush.accounts.roles import includes
 from pointbrush.errors import BadInputError
-from pointbrush.labels import LabelStore
-from pointbrush.labels.access import COMPARES
-from pointbrush.labels.accounts import require_name
-from pointbrush.labels.copies import CopyKind
-from pointbrush.labels.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
-from pointbrush.roles import includes
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork.access import COMPARES
+from pointbrush.teamwork.copies import CopyKind
+from pointbrush.teamwork.rules import Person, Wish, fulfilled
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
 from pointbrush.work.exporting import parse_frames
-from pointbrush.work.projects.rules import Person, Wish, fulfilled
 
 MOST_PEOPLE = 9
 """Limit of people that label the same frames."""
@@ -55,7 +55,7 @@ class Queue:
 
     def __init__(
         self,
-        store: LabelStore,
+        store: WorkspaceStore,
         recording: Callable[[str], Recording],
         copy: Callable[[str, str, range, CopyKind], str],
     ) -> None:

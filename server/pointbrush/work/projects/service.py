@@ -7,12 +7,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 
-from pointbrush.labels import LabelStore
-from pointbrush.labels.access import COMPARES, Sight
-from pointbrush.labels.projects import Change, Project
-from pointbrush.labels.summaries import Counts, Effort, Figures
-from pointbrush.labels.tasks import TaskState
-from pointbrush.roles import Role, includes
+from pointbrush.accounts.roles import Role, includes
+from pointbrush.teamwork.access import COMPARES, Sight
+from pointbrush.teamwork.projects import Change, Project
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.teamwork.summaries import Counts, Effort, Figures
+from pointbrush.teamwork.tasks import TaskState
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
@@ -35,7 +35,7 @@ class Overview:
 class Projects:
     """The projects of a workspace; thread-safe."""
 
-    def __init__(self, store: LabelStore, publish: Callable[[Event], None]) -> None:
+    def __init__(self, store: WorkspaceStore, publish: Callable[[Event], None]) -> None:
         self._store, self._publish = store, publish
 
     def all(self, account: str, role: Role) -> list[Overview]:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
-from pointbrush.labels import Label, LabelStore
+from pointbrush.labels import Label
 from pointbrush.labels.versions import Moment, PastLabels, Version
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.layers import READ_POINTS
 from pointbrush.work.reviewing.comparing import pairs
 from pointbrush.work.trash import ids_for
@@ -58,7 +59,7 @@ class Versions:
     Every method raises NotFoundError for an unknown project, version or recording in it.
     """
 
-    def __init__(self, store: LabelStore) -> None:
+    def __init__(self, store: WorkspaceStore) -> None:
         self._store = store
 
     def create(self, project: str, name: str, author: str) -> Version:
@@ -66,27 +67,27 @@ class Versions:
         there = {
             version.id
             for each in self._store.team.projects.all()
-            for version in self._store.team.versions.all(each.id)
+            for version in self._store.versions.all(each.id)
         }
         wanted = next(each for each in ids_for(name) if each not in there)
-        return self._named(self._store.team.versions.create(project, wanted, name, author))
+        return self._named(self._store.versions.create(project, wanted, name, author))
 
     def all(self, project: str) -> list[Version]:
         """Return the versions of a project, newest first."""
         self._store.team.projects.get(project)
-        return [self._named(each) for each in self._store.team.versions.all(project)]
+        return [self._named(each) for each in self._store.versions.all(project)]
 
     def get(self, project: str, version: str) -> Version:
         """Return a version."""
-        return self._named(self._store.team.versions.get(project, version))
+        return self._named(self._store.versions.get(project, version))
 
     def remove(self, project: str, version: str) -> None:
         """Delete a version; labels are kept."""
-        self._store.team.versions.remove(project, version)
+        self._store.versions.remove(project, version)
 
     def labels(self, sequence: str, version: str) -> PastLabels:
         """Return the labels of a recording in a version."""
-        return self._store.team.at(self._store.team.versions.moment(version, sequence))
+        return self._store.at(self._store.versions.moment(version, sequence))
 
     def difference(
         self, project: str, version: str, other: str | None = None, sequence: str | None = None
@@ -95,8 +96,8 @@ class Versions:
 
         ``sequence``: only this recording; recordings that are not in both are left out.
         """
-        first = self._store.team.versions.get(project, version).recordings
-        second = None if other is None else self._store.team.versions.get(project, other).recordings
+        first = self._store.versions.get(project, version).recordings
+        second = None if other is None else self._store.versions.get(project, other).recordings
         if sequence is not None and sequence not in first:
             raise NotFoundError(f"sequence: expected one of {version!r}, got {sequence!r}")
         chosen = first.keys() if sequence is None else {sequence}
@@ -106,12 +107,12 @@ class Versions:
         return [each for each in found if each.labels or each.frames]
 
     def _compare(self, sequence: str, version: str, other: str | None) -> Difference:
-        moments = [self._store.team.versions.moment(version, sequence)]
-        versions = self._store.team.versions
+        moments = [self._store.versions.moment(version, sequence)]
+        versions = self._store.versions
         later = versions.now(sequence) if other is None else versions.moment(other, sequence)
         moments.append(later)
         swapped = moments[0].revision > later.revision
-        past = [self._store.team.at(moment) for moment in moments]
+        past = [self._store.at(moment) for moment in moments]
         since = min(moment.revision for moment in moments)
         frames = past[0 if swapped else 1].changed_frames(sequence, since)
         told = (_frame(sequence, frame, *past) for frame in frames)

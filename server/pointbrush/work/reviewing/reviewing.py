@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from pointbrush.accounts.accounts import require_name
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
-from pointbrush.labels import LabelStore, Review
-from pointbrush.labels.accounts import require_name
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork.reviews import Review
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.box_comparing import BoxAgreement, compare_boxes
@@ -27,7 +28,7 @@ LONGEST_NOTE = 2_000
 class Reviewing:
     """States, notes and assignees of all recordings; thread-safe."""
 
-    def __init__(self, store: LabelStore, recording: Callable[[str], Recording]) -> None:
+    def __init__(self, store: WorkspaceStore, recording: Callable[[str], Recording]) -> None:
         self._store, self._recording = store, recording
         self._checker = Checker(store)
 

@@ -9,7 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.labels import Review
+from pointbrush.teamwork.reviews import Review
 
 State = Literal["open", "review", "accepted", "rejected"]
 STATES: tuple[State, ...] = get_args(State)

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from pointbrush.database.guards import TRACKING
 from pointbrush.job import MESSAGE, Job
 from pointbrush.jobs import JobRunner
-from pointbrush.labels import LabelStore
-from pointbrush.labels.guards import TRACKING
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.tracking import FrameResult
 from pointbrush.work.events import Event, Provisional, Retracted
 from pointbrush.work.job_book import JobBook
@@ -52,7 +52,7 @@ class Runs:
 
     def __init__(
         self,
-        store: LabelStore,
+        store: WorkspaceStore,
         recording: Callable[[str], Recording],
         runner: JobRunner,
         jobs: JobBook,

@@ -1,0 +1,1 @@
+"""Accounts, their roles, tokens, sign-ins and keys."""

@@ -1,0 +1,97 @@
+"""People with access to a workspace: their accounts, roles and tokens, as managers see them."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from pointbrush.accounts.accounts import Token, Tokens
+from pointbrush.accounts.roles import ROLES, Role, require
+from pointbrush.errors import NotFoundError
+
+DAY = 86_400.0
+"""Seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """An account with its tokens, oldest first.
+
+    ``role`` is the highest role of its valid tokens, None if it has none.
+    """
+
+    account: str
+    tokens: tuple[Token, ...]
+
+    @property
+    def role(self) -> Role | None:
+        """Return the current role."""
+        return max((t.role for t in self.tokens if t.valid), key=ROLES.index, default=None)
+
+
+class People:
+    """The accounts of one database that have, or had, tokens.
+
+    ``by`` is the role of the caller, the highest role that they can assign or revoke.
+    """
+
+    def __init__(self, tokens: Tokens) -> None:
+        self._tokens = tokens
+
+    def all(self) -> list[Account]:
+        """Return all accounts by name, including accounts without a valid token."""
+        found: dict[str, list[Token]] = {}
+        for token in self._tokens.list():
+            found.setdefault(token.account, []).append(token)
+        return [Account(name, tuple(found[name])) for name in sorted(found, key=str.casefold)]
+
+    def get(self, account: str) -> Account:
+        """Return an account; raises NotFoundError."""
+        for each in self.all():
+            if each.account == account:
+                return each
+        raise NotFoundError(f"account: expected the name of an account, got {account!r}")
+
+    def create(self, account: str, role: Role, days: float | None, by: Role) -> tuple[Token, str]:
+        """Create an account with its first token; return the token and its secret.
+
+        Raises BadInputError for an invalid name, ConflictError if the account has a valid token,
+        ForbiddenError.
+        """
+        require(by, role)
+        return self._added(self._tokens.add(role, account, expiry_of(days)))
+
+    def add_token(
+        self, account: str, role: Role | None, days: float | None, by: Role
+    ) -> tuple[Token, str]:
+        """Create another token of an account and return it with its secret.
+
+        ``role`` None: the account's role, or else the role of its last token.  Raises
+        NotFoundError, ForbiddenError.
+        """
+        known = self.get(account)
+        role = role or known.role or known.tokens[-1].role
+        require(by, max(role, known.role or role, key=ROLES.index))
+        return self._added(self._tokens.add(role, account, expiry_of(days), another=True))
+
+    def revoke(self, account: str, token: str | None, by: Role) -> None:
+        """Revoke a token of an account, or (None) all; raises NotFoundError, ForbiddenError."""
+        known = self.get(account).tokens
+        ended = [each for each in known if token in (None, each.id)]
+        if not ended:
+            raise NotFoundError(f"token: expected the id of a token of {account!r}, got {token!r}")
+        for each in ended:
+            require(by, each.role)
+        for each in ended:
+            self._tokens.revoke(each.id)
+
+    def _added(self, secret: str) -> tuple[Token, str]:
+        made = self._tokens.check(secret)
+        if made is None:
+            raise NotFoundError("token: expected the new token, it was revoked at once")
+        return made, secret
+
+
+def expiry_of(days: float | None) -> float | None:
+    """Return the time in some days, seconds since the epoch; None: never."""
+    return None if days is None else time.time() + days * DAY

@@ -1,0 +1,1 @@
+"""The database of a workspace: tables, migrations, statements, backups, notification of commits."""

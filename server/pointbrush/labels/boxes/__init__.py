@@ -1,0 +1,1 @@
+"""Boxes of labels: their attributes, edits and history."""

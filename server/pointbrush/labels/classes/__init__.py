@@ -1,0 +1,1 @@
+"""Palettes of recordings, and the classes of the workspace."""
