@@ -8,7 +8,7 @@ import { CommandPalette } from './desktop/command-palette';
 import { Help } from './desktop/help';
 import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
-import { followOwnKeys } from './engine/own-keys';
+import { followOwnKeys } from './engine/people/own-keys';
 import { ExampleBar, ExampleButton } from './example/bar';
 import { mountExample } from './example/panel';
 import { Predicting } from './example/predicting';

@@ -1,7 +1,7 @@
 /** Changes of boxes: each is one edit of the server's, and shows before it has answered. */
 import { batch, signal } from '@preact/signals';
 import { Matrix4 } from 'three';
-import { attempt, sequencePath } from '../engine/recordings';
+import { attempt, sequencePath } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import { actions } from '../store/actions';

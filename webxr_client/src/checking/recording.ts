@@ -1,7 +1,7 @@
 /** The recording in which a headset is checked. */
 import { computed } from '@preact/signals';
 import { actions } from '../store/actions';
-import { attempt } from '../engine/recordings';
+import { attempt } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { canEdit, state } from '../store/state';
 import { follow } from '../store/watch';

@@ -1,5 +1,5 @@
 /** The report of a check: a file, and a copy on the server. */
-import { attempt } from '../engine/recordings';
+import { attempt } from '../engine/recordings/recordings';
 import { saveFile } from '../net/files';
 import { api } from '../net/rest';
 import type { HeadsetReport } from '../protocol/messages';

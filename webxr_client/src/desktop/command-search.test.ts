@@ -3,7 +3,7 @@ import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import type { SequenceInfo } from '../protocol/messages';
 import { commandsNow, EVERYDAY, found, frameCommand, lastFirst, noteUsed } from './command-search';
-import { type Project, projects } from '../engine/projects';
+import { type Project, projects } from '../engine/recordings/projects';
 import { recordingRow } from '../store/testing';
 
 function open(frames: number): void {

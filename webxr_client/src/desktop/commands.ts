@@ -4,7 +4,7 @@
  */
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
-import { signOut } from '../engine/sign-out';
+import { signOut } from '../engine/people/sign-out';
 import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
 import { commandsOpen, helpOpen } from '../panels/parts/popover';

@@ -5,7 +5,7 @@ import type { Actions } from '../store/actions';
 import { api } from '../net/rest';
 import { canEdit, notify, state } from '../store/state';
 import { watch } from '../store/watch';
-import { attempt, sequencePath } from './recordings';
+import { attempt, sequencePath } from './recordings/recordings';
 
 /** Places that level a floor: with one more the oldest goes. */
 const MOST = 3;

@@ -19,10 +19,10 @@ import { isActive, isMine, isTracking, notify, state } from '../store/state';
 import type { ObjectTool } from '../tools/object';
 import type { RegionPreview } from '../tools/region';
 import type { Strokes } from '../tools/strokes';
-import { takeLabels, takeTimeline } from './labels';
+import { takeLabels, takeTimeline } from './labels/labels';
 import type { Playback } from './playback';
-import { isOneOfSeveral } from './imports';
-import { deletedHere, leaveOut, noteJob, refreshSoon, waitedFor } from './recordings';
+import { isOneOfSeveral } from './recordings/imports';
+import { deletedHere, leaveOut, noteJob, refreshSoon, waitedFor } from './recordings/recordings';
 import { runEnded } from './review';
 
 export interface InboxDeps {

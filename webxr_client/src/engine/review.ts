@@ -5,7 +5,7 @@ import { api } from '../net/rest';
 import { cellKind, wantsLook } from '../store/cells';
 import { dismiss, notify, state, type TimelineRow } from '../store/state';
 import { follow } from '../store/watch';
-import { attempt, sequencePath } from './recordings';
+import { attempt, sequencePath } from './recordings/recordings';
 
 interface Halt {
   /** The frame that it stopped at, and the one that it was to reach. */

@@ -6,7 +6,7 @@ import { cellKind, nextUnlabelled, wantsLook } from '../store/cells';
 import { type HistoryEntry, notify, state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Playback } from './playback';
-import { sequencePath } from './recordings';
+import { sequencePath } from './recordings/recordings';
 
 const FASTEST = 16;
 

@@ -1,6 +1,6 @@
 /** Values of label by example: the server's answers, and values that the page derives from them. */
 import { MOST_CLASSES, PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
-import { mixed, UNKNOWN } from '../engine/colouring';
+import { mixed, UNKNOWN } from '../engine/labels/colouring';
 import type { Label } from '../protocol/messages';
 
 export interface Classifier {

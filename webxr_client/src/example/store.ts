@@ -1,6 +1,6 @@
 /** State of label by example, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
-import { attempt, sequencePath, succeeds } from '../engine/recordings';
+import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';

@@ -6,7 +6,7 @@ import {
   lastExport,
   type ExportFormat,
   type FormatGroup,
-} from '../engine/export-formats';
+} from '../engine/recordings/export-formats';
 import { boxes } from '../store/boxes';
 import type { ComponentChildren } from 'preact';
 

@@ -6,7 +6,7 @@ import { Icon } from '../common/icons';
 import { actions } from '../store/actions';
 import { boxes } from '../store/boxes';
 import { menuOf, search } from '../store/palette-list';
-import type { ExportFormat } from '../engine/export-formats';
+import type { ExportFormat } from '../engine/recordings/export-formats';
 import { state } from '../store/state';
 import { ExportFormats } from './export-formats';
 import { ChoiceRow } from './parts/fields';

@@ -1,6 +1,6 @@
 /** The desk's panels, around the canvas of `index.html`. */
 import { render, type ComponentChild } from 'preact';
-import { newLabel } from '../engine/labels';
+import { newLabel } from '../engine/labels/labels';
 import { listAsked, renaming } from '../store/palette-list';
 import { state } from '../store/state';
 import { ImportDialog } from './importing/dialog';

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { headsetOf, securePage } from '../panels/insecure';
+import { headsetOf, securePage } from './insecure';
 
 const QUEST =
   'Mozilla/5.0 (X11; Linux x86_64; Quest 3) AppleWebKit/537.36 (KHTML, like Gecko) ' +

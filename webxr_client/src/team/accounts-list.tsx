@@ -8,7 +8,7 @@ import {
   createAccount,
   newLink,
   revokeAccess,
-} from '../engine/accounts';
+} from '../engine/people/accounts';
 import { NewLink } from '../panels/parts/account-hint';
 import { Button } from '../panels/parts/controls';
 import { RoleSelect } from './role-select';

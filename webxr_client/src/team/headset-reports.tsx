@@ -1,7 +1,7 @@
 /** Reports of headset checks, for managers. */
 import { useEffect, useState } from 'preact/hooks';
 import { ago } from '../common/format';
-import { attempt } from '../engine/recordings';
+import { attempt } from '../engine/recordings/recordings';
 import { saveFile } from '../net/files';
 import { api } from '../net/rest';
 import { Button } from '../panels/parts/controls';

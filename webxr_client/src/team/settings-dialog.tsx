@@ -1,6 +1,6 @@
 /** The settings of a project: its name, and a tab for each kind of settings. */
 import { useEffect, useState } from 'preact/hooks';
-import { type Project, settled } from '../engine/projects';
+import { type Project, settled } from '../engine/recordings/projects';
 import { Button, Check } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
 import { Tabs, tabId } from '../panels/parts/tabs';

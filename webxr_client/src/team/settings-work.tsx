@@ -1,7 +1,13 @@
 /** Settings of a project: its recordings, which are moved in or imported, and its tasks. */
 import { useEffect } from 'preact/hooks';
-import { importInto, type Project, projects, settled, TASK_WORDS } from '../engine/projects';
-import { rowOf } from '../engine/recordings';
+import {
+  importInto,
+  type Project,
+  projects,
+  settled,
+  TASK_WORDS,
+} from '../engine/recordings/projects';
+import { rowOf } from '../engine/recordings/recordings';
 import { ImportBox } from '../panels/importing/import-box';
 import { Choice } from '../panels/parts/fields';
 import { Button } from '../panels/parts/controls';

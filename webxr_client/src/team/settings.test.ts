@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { type Project, projects, settled } from '../engine/projects';
+import { type Project, projects, settled } from '../engine/recordings/projects';
 import { state } from '../store/state';
 import {
   addWebhook,

@@ -1,8 +1,14 @@
 /** Settings of a project for its managers: their state, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
-import { loadCategories } from '../engine/categories';
-import { type Project, projectPath, projects, refreshProjects, settled } from '../engine/projects';
-import { attempt, succeeds } from '../engine/recordings';
+import { loadCategories } from '../engine/labels/categories';
+import {
+  type Project,
+  projectPath,
+  projects,
+  refreshProjects,
+  settled,
+} from '../engine/recordings/projects';
+import { attempt, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { actions } from '../store/actions';
 import { loadTasks, type Task } from '../work/queue';

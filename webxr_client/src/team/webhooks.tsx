@@ -2,7 +2,7 @@
 import { useEffect, useState } from 'preact/hooks';
 import { day, plural } from '../common/format';
 import { Button, Check } from '../panels/parts/controls';
-import type { Project } from '../engine/projects';
+import type { Project } from '../engine/recordings/projects';
 import {
   addWebhook,
   deliveries,

@@ -1,14 +1,6 @@
 import { Matrix4, Ray, Vector3 } from 'three';
 import { expect, test } from 'vitest';
-import {
-  dragged,
-  matrixOf,
-  placeOf,
-  spanned,
-  standing,
-  toSource,
-  type Volume,
-} from '../tools/volume';
+import { dragged, matrixOf, placeOf, spanned, standing, toSource, type Volume } from './volume';
 
 const BOX: Volume = { center: [1, 2, 3], size: [2, 4, 6], yaw: Math.PI / 6 };
 

@@ -1,7 +1,7 @@
 /** Agreement of two people: figures, the places where they differ, the choice of one, scores. */
 import { plural, shortCount } from '../common/format';
 import type { IconName } from '../common/icons';
-import { may } from '../engine/projects';
+import { may } from '../engine/recordings/projects';
 import { Button } from '../panels/parts/controls';
 import { RadioGroup } from '../panels/parts/radio-group';
 import { state } from '../store/state';

@@ -2,7 +2,7 @@
 import { OTHERS } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Engine } from '../engine/engine';
-import { attempt, sequencePath } from '../engine/recordings';
+import { attempt, sequencePath } from '../engine/recordings/recordings';
 import { api, apiBytes } from '../net/rest';
 import type { Label } from '../protocol/messages';
 import { state } from '../store/state';

@@ -1,5 +1,5 @@
 import { beforeEach, expect, test, vi } from 'vitest';
-import { type Project, projects } from '../engine/projects';
+import { type Project, projects } from '../engine/recordings/projects';
 import type { SequenceInfo } from '../protocol/messages';
 import { bindActions } from '../store/actions';
 import { state, type SequenceSummary } from '../store/state';

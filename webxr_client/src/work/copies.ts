@@ -1,7 +1,7 @@
 /** Agreement of two people on the same points: in copies of the recording, or in another import. */
 import { computed, signal } from '@preact/signals';
-import { projectPath } from '../engine/projects';
-import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings';
+import { projectPath } from '../engine/recordings/projects';
+import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { notify, state } from '../store/state';
 import { watch } from '../store/watch';

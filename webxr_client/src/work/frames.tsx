@@ -1,6 +1,6 @@
 /** Frames: their states and notes, and the report. */
 import { useEffect } from 'preact/hooks';
-import { sequencePath } from '../engine/recordings';
+import { sequencePath } from '../engine/recordings/recordings';
 import { apiUrl } from '../net/rest';
 import { Button } from '../panels/parts/controls';
 import { canEdit, canReview, state } from '../store/state';

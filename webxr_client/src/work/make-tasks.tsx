@@ -1,8 +1,8 @@
 /** The form that makes tasks: of the open recording, of a range of its frames, or of a project. */
 import { useState } from 'preact/hooks';
 import { plural } from '../common/format';
-import type { Project } from '../engine/projects';
-import { rowOf } from '../engine/recordings';
+import type { Project } from '../engine/recordings/projects';
+import { rowOf } from '../engine/recordings/recordings';
 import { AccountHint } from '../panels/parts/account-hint';
 import { FrameRange } from './frames';
 import { Button } from '../panels/parts/controls';

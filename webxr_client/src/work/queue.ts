@@ -1,7 +1,7 @@
 /** Tasks of the open recording's project, and the requests that change them; no panel is needed. */
 import { computed, signal } from '@preact/signals';
-import { projectPath, refreshProjects, type TaskState } from '../engine/projects';
-import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings';
+import { projectPath, refreshProjects, type TaskState } from '../engine/recordings/projects';
+import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { actions } from '../store/actions';
 import { type HistoryEntry, notify, state } from '../store/state';

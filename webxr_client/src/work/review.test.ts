@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { labelActions } from '../engine/labels';
+import { labelActions } from '../engine/labels/labels';
 import type { Label, SequenceInfo } from '../protocol/messages';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';

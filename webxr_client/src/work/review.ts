@@ -1,6 +1,6 @@
 /** States and findings of the open recording's frames, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
-import { attempt, sequencePath, succeeds } from '../engine/recordings';
+import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { namesOf } from '../engine/review';
 import { api } from '../net/rest';
 import { actions } from '../store/actions';

@@ -1,7 +1,7 @@
 /** Snapshots of the open recording's project, and the difference of two. */
 import { signal } from '@preact/signals';
-import { projectPath } from '../engine/projects';
-import { attempt, succeeds } from '../engine/recordings';
+import { projectPath } from '../engine/recordings/projects';
+import { attempt, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { project } from './store';
 

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { type Project, projects } from '../engine/projects';
+import { type Project, projects } from '../engine/recordings/projects';
 import type { SequenceInfo } from '../protocol/messages';
 import { state, type SequenceSummary } from '../store/state';
 import { openWork, tabs, workTab } from './store';

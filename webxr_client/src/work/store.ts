@@ -1,6 +1,6 @@
 /** The Work panel: whether it is open, its tab, and the project of the open recording. */
 import { computed, signal } from '@preact/signals';
-import { may, openProject, tasksOf } from '../engine/projects';
+import { may, openProject, tasksOf } from '../engine/recordings/projects';
 
 const ALL = ['tasks', 'findings', 'frames', 'agreement', 'versions'] as const;
 export type WorkTab = (typeof ALL)[number];

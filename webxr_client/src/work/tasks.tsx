@@ -1,6 +1,6 @@
 /** The queue: the own task, the one to review, and the tasks of each person. */
 import { signal } from '@preact/signals';
-import { may, TASK_STATES, TASK_WORDS, type TaskState } from '../engine/projects';
+import { may, TASK_STATES, TASK_WORDS, type TaskState } from '../engine/recordings/projects';
 import { Button } from '../panels/parts/controls';
 import { state } from '../store/state';
 import { MakeTasks } from './make-tasks';

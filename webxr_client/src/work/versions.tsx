@@ -2,8 +2,8 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { day, plural, shortCount } from '../common/format';
-import { exportFormats, groupFormats } from '../engine/export-formats';
-import { rowOf } from '../engine/recordings';
+import { exportFormats, groupFormats } from '../engine/recordings/export-formats';
+import { rowOf } from '../engine/recordings/recordings';
 import { Button } from '../panels/parts/controls';
 import { actions } from '../store/actions';
 import { canManage, state } from '../store/state';

@@ -1,5 +1,5 @@
 /** GLSL of the points and of eye-dome lighting. */
-import { LATTICE, LATTICE_DRAWN } from './lattice-shader';
+import { LATTICE, LATTICE_DRAWN } from './lattice/shader';
 
 /** Vectors of four numbers in the points' settings. */
 export const SETTING_ROWS = 13;

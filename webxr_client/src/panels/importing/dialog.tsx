@@ -1,6 +1,6 @@
 /** Dialog between a drop and an import: findings in the files, and corrections of them. */
-import { areReady, partsOfFiles } from '../../engine/import-parts';
-import { FIRST, projects } from '../../engine/projects';
+import { areReady, partsOfFiles } from '../../engine/recordings/import-parts';
+import { FIRST, projects } from '../../engine/recordings/projects';
 import { actions } from '../../store/actions';
 import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
 import { Button, Check } from '../parts/controls';

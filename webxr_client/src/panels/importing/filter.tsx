@@ -9,8 +9,8 @@ import {
   TASK_WORDS,
   type Conditions,
   type Project,
-} from '../../engine/projects';
-import { attempt } from '../../engine/recordings';
+} from '../../engine/recordings/projects';
+import { attempt } from '../../engine/recordings/recordings';
 import { Button } from '../parts/controls';
 import { Choice } from '../parts/fields';
 import { PopoverButton } from '../parts/popover';

@@ -1,7 +1,13 @@
 /** The start page: all recordings in a table, by project. */
 import { signal } from '@preact/signals';
 import { useEffect, useMemo, useState } from 'preact/hooks';
-import { grouped, projects, refreshProjects, tasksOf, type Group } from '../../engine/projects';
+import {
+  grouped,
+  projects,
+  refreshProjects,
+  tasksOf,
+  type Group,
+} from '../../engine/recordings/projects';
 import {
   chooseOrder,
   descending,
@@ -10,7 +16,7 @@ import {
   ORDERS,
   sorted,
   type Order,
-} from '../../engine/recording-list';
+} from '../../engine/recordings/list';
 import { Icon } from '../../common/icons';
 import { keep, kept } from '../../store/kept';
 import { canManage, type SequenceSummary } from '../../store/state';

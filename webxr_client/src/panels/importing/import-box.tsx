@@ -1,7 +1,7 @@
 /** Ways to import: files, a folder, a path on the server. */
 import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
-import { importEach } from '../../engine/importing';
+import { importEach } from '../../engine/recordings/importing';
 import { Icon } from '../../common/icons';
 import { actions } from '../../store/actions';
 import { Button, Check } from '../parts/controls';

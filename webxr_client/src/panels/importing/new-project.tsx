@@ -1,6 +1,6 @@
 /** A form for a new project. */
 import { useState } from 'preact/hooks';
-import { createProject, settled } from '../../engine/projects';
+import { createProject, settled } from '../../engine/recordings/projects';
 import { plural } from '../../common/format';
 import type { SequenceSummary } from '../../store/state';
 import { Button, Check } from '../parts/controls';

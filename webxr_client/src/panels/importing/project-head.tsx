@@ -12,8 +12,8 @@ import {
   TASK_STATES,
   TASK_WORDS,
   tasksOf,
-} from '../../engine/projects';
-import { attempt } from '../../engine/recordings';
+} from '../../engine/recordings/projects';
+import { attempt } from '../../engine/recordings/recordings';
 import { plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { api } from '../../net/rest';

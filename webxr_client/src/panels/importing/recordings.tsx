@@ -1,6 +1,6 @@
 /** A recording in a list: picture, date, length, progress; rename and delete. */
 import { signal, useSignal } from '@preact/signals';
-import { moveRecording, projects } from '../../engine/projects';
+import { moveRecording, projects } from '../../engine/recordings/projects';
 import { actions } from '../../store/actions';
 import { apiUrl } from '../../net/rest';
 import { canEdit, canManage, type SequenceSummary } from '../../store/state';

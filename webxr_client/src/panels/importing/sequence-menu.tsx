@@ -1,7 +1,7 @@
 /** The recording's name; opens the list of the others. */
 import { signal } from '@preact/signals';
 import { useCallback, useRef, useState } from 'preact/hooks';
-import { matching } from '../../engine/recording-list';
+import { matching } from '../../engine/recordings/list';
 import { actions } from '../../store/actions';
 import { canEdit, canManage, importJob, state, type SequenceSummary } from '../../store/state';
 import { pickFiles } from './files';

@@ -1,7 +1,7 @@
 /** The page without an open recording: connecting, no recordings, or the list of recordings. */
 import { useSignal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
-import { signOut } from '../../engine/sign-out';
+import { signOut } from '../../engine/people/sign-out';
 import { actions } from '../../store/actions';
 import { canManage, state } from '../../store/state';
 import { Button } from '../parts/controls';

@@ -1,7 +1,7 @@
 /** Rare actions on a label. */
 import type { RefObject } from 'preact';
 import { useState } from 'preact/hooks';
-import { categoriesSelected, categoryChoices } from '../../engine/categories';
+import { categoriesSelected, categoryChoices } from '../../engine/labels/categories';
 import { actions } from '../../store/actions';
 import type { Label } from '../../protocol/messages';
 import { canEdit, state } from '../../store/state';

@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { canEdit, state } from '../../store/state';
-import { templates } from '../../engine/palette-files';
+import { templates } from '../../engine/labels/palette-files';
 import { plural } from '../../common/format';
 import { chooseSafeColours, safeColours } from '../../store/safe-colours';
 import { Check } from '../parts/controls';

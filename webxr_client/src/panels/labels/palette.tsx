@@ -2,7 +2,7 @@
 import { computed } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
-import { finishLabel, isNew, newLabel } from '../../engine/labels';
+import { finishLabel, isNew, newLabel } from '../../engine/labels/labels';
 import type { Label } from '../../protocol/messages';
 import { canEdit, state } from '../../store/state';
 import { Button, NameField } from '../parts/controls';

@@ -1,6 +1,12 @@
 /** Names of accounts for a field, a warning about unknown ones, and the link of a new token. */
 import { useEffect } from 'preact/hooks';
-import { accounts, createAccount, isUnknown, loadAccounts, newLink } from '../../engine/accounts';
+import {
+  accounts,
+  createAccount,
+  isUnknown,
+  loadAccounts,
+  newLink,
+} from '../../engine/people/accounts';
 import { notify } from '../../store/state';
 import { Button } from './controls';
 

@@ -1,7 +1,7 @@
 /** One card for all imports of the user: their progress, and each with its name. */
 import { useSignal } from '@preact/signals';
-import { cancelImport } from '../../engine/import-parts';
-import { closeImports, importName, ownImports } from '../../engine/imports';
+import { cancelImport } from '../../engine/recordings/import-parts';
+import { closeImports, importName, ownImports } from '../../engine/recordings/imports';
 import { percent, plural } from '../../common/format';
 import type { Job } from '../../protocol/messages';
 import { actions } from '../../store/actions';

@@ -5,7 +5,7 @@ import type { Job } from '../../protocol/messages';
 import { canCancel, isActive, isMine, state } from '../../store/state';
 import { Button, JobHead, Progress } from '../parts/controls';
 import { bytes, percent, plural } from '../../common/format';
-import { ownImports } from '../../engine/imports';
+import { ownImports } from '../../engine/recordings/imports';
 import { PopoverButton } from '../parts/popover';
 import { ImportCard } from './import-card';
 

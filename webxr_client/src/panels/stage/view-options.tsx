@@ -2,7 +2,7 @@
 import { signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import { colorModeOf } from '../../cloud/picture/material';
-import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../../engine/colouring';
+import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../../engine/labels/colouring';
 import { type ColorMode, type Ramp, state } from '../../store/state';
 import type { SurfaceMode } from '../../store/types';
 import { AccumulateButton } from './accumulate';

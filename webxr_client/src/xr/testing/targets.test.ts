@@ -2,7 +2,7 @@ import { afterAll, beforeAll, describe, expect, it, vi } from 'vitest';
 import { bindActions } from '../../store/actions';
 import type { Label } from '../../protocol/messages';
 import { halted } from '../../engine/review';
-import { projects } from '../../engine/projects';
+import { projects } from '../../engine/recordings/projects';
 import { state } from '../../store/state';
 import { chosen, question as handInQuestion, tasks } from '../../work/queue';
 import type { PaletteControls, PalettePanel } from '../panels/palette-panel';

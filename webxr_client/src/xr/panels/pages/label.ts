@@ -1,7 +1,7 @@
 /** Pages of one label: a new one, or the active one with another name, another colour, or gone. */
 import { actions } from '../../../store/actions';
 import { LABEL_COLORS, suggestColor, suggestName } from '../../../common/colors';
-import { categoriesSelected, categoryChoices } from '../../../engine/categories';
+import { categoriesSelected, categoryChoices } from '../../../engine/labels/categories';
 import { lossOf } from '../../../panels/labels/label-points';
 import type { Label } from '../../../protocol/messages';
 import { state } from '../../../store/state';

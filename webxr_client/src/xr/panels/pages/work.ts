@@ -1,6 +1,6 @@
 /** Page of the palette for tasks: the own one, the one to review, and an export for the desk. */
-import { lastExport, exportFormats } from '../../../engine/export-formats';
-import { may, TASK_WORDS } from '../../../engine/projects';
+import { lastExport, exportFormats } from '../../../engine/recordings/export-formats';
+import { may, TASK_WORDS } from '../../../engine/recordings/projects';
 import { actions } from '../../../store/actions';
 import { notify, state } from '../../../store/state';
 import {

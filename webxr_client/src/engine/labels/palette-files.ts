@@ -1,0 +1,99 @@
+/** Palettes from templates and files, and as a file; the order of the palette. */
+import { signal } from '@preact/signals';
+import type { Actions } from '../../store/actions';
+import { saveFile } from '../../net/files';
+import { api } from '../../net/rest';
+import { notify, state } from '../../store/state';
+import { attempt, sequencePath } from '../recordings/recordings';
+
+export interface Template {
+  readonly name: string;
+  /** Number of its labels. */
+  readonly labels: number;
+}
+
+/** Palettes of well-known datasets; filled by `actions.loadTemplates`. */
+export const templates = signal<readonly Template[]>([]);
+
+interface PaletteFile {
+  readonly labels: readonly unknown[];
+}
+
+function base(): string {
+  return sequencePath(state.sequence.peek()?.id ?? '');
+}
+
+async function loadTemplates(): Promise<void> {
+  const found = await api<Record<string, PaletteFile>>('GET', 'templates');
+  templates.value = Object.entries(found).map(([name, { labels }]) => ({
+    name,
+    labels: labels.length,
+  }));
+}
+
+async function add(body: unknown): Promise<void> {
+  const { added } = await api<{ added: string[] }>('POST', `${base()}/palette`, body);
+  const title = added.length === 0 ? 'All of these labels exist already' : 'Labels added';
+  notify(added.length === 0 ? 'info' : 'success', title, added.slice(0, 8).join(', '));
+}
+
+/** The labels of a `palette.json`, of an export's or of a palette saved here. */
+export function labelsOf(text: string): readonly unknown[] {
+  let found: unknown;
+  try {
+    found = JSON.parse(text);
+  } catch {
+    throw new Error('Expected a palette file (JSON), got a file that is not JSON.');
+  }
+  const labels = (found as Partial<PaletteFile> | null)?.labels;
+  if (!Array.isArray(labels) || labels.length === 0) {
+    throw new Error('Expected a palette file with "labels", got none.');
+  }
+  return labels as unknown[];
+}
+
+async function addFile(file: File): Promise<void> {
+  await attempt('The palette was not added', async () => {
+    await add({ labels: labelsOf(await file.text()) });
+  });
+}
+
+function pick(): void {
+  const input = document.createElement('input');
+  input.type = 'file';
+  input.accept = '.json,application/json';
+  input.onchange = () => {
+    const file = input.files?.[0];
+    if (file) void addFile(file);
+  };
+  input.click();
+}
+
+async function save(): Promise<void> {
+  const palette = await api('GET', `${base()}/palette`);
+  saveFile(`${state.sequence.peek()?.name ?? 'recording'} palette.json`, palette);
+}
+
+/** Show the order at once; the server's palette replaces it, also when it refuses. */
+async function arrange(order: readonly number[]): Promise<void> {
+  const before = state.palette.peek();
+  const place = new Map(order.map((id, index) => [id, index]));
+  const at = (id: number): number => place.get(id) ?? order.length;
+  state.palette.value = [...before].sort((a, b) => at(a.id) - at(b.id));
+  await attempt('The order was not saved', async () => {
+    try {
+      await api('PUT', `${base()}/palette/order`, { labels: order });
+    } catch (error) {
+      state.palette.value = before;
+      throw error;
+    }
+  });
+}
+
+export const paletteActions = {
+  arrangeLabels: arrange,
+  loadTemplates: () => attempt('The templates did not load', loadTemplates),
+  addTemplate: (template) => attempt('The labels were not added', () => add({ template })),
+  pickPalette: pick,
+  savePalette: () => attempt('The palette was not saved', save),
+} satisfies Partial<Actions>;

@@ -1,0 +1,206 @@
+/** Import of files: preview, corrections, and the import itself. */
+import type { Actions } from '../../store/actions';
+import { count as shown, plural } from '../../common/format';
+import { api, ApiError } from '../../net/rest';
+import {
+  isActive,
+  notify,
+  state,
+  type ChosenFile,
+  type ImportDraft,
+  type ImportOptions,
+  type ImportPart,
+  type LabelsFound,
+} from '../../store/state';
+import {
+  areReady,
+  mayBeSeveral,
+  optionsOf,
+  partsOfEntries,
+  partsOfFiles,
+  takeParts,
+  type Entry,
+} from './import-parts';
+import { dropUploads, previewOf, send, submit, type JobAnswer } from './import-requests';
+import { joinImports } from './imports';
+import { FIRST, importInto } from './projects';
+import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
+
+/** Milliseconds between two requests for the state of an awaited job. */
+const LOOK = 200;
+/** Endings of files that hold labels and no points. */
+const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^/]*\.(npy|json))$/i;
+
+/** Files that a short message names. */
+const TOLD = 3;
+
+/** Number of the newest request; answers to earlier ones are ignored. */
+let asked = 0;
+
+function change(patch: Partial<ImportDraft>): void {
+  const draft = state.importing.peek();
+  if (draft) state.importing.value = { ...draft, ...patch };
+}
+
+async function preview(): Promise<void> {
+  const draft = state.importing.peek();
+  if (!draft) return;
+  const turn = ++asked;
+  change({ busy: true, error: '' });
+  if (!draft.parts) {
+    const answer = await previewOf(draft, draft.options);
+    if (turn === asked) change({ busy: false, ...answer });
+    return;
+  }
+  for (const [number, part] of draft.parts.entries()) {
+    const answer = await previewOf(part, optionsOf(part, draft.options));
+    if (turn !== asked) return;
+    const { included, error } = state.importing.peek()!.parts![number]!;
+    // Unreadable parts are left out, and included again once they can be read.
+    changePart({ ...answer, included: !answer.error && (included || error !== '') }, number);
+  }
+  change({ busy: false });
+}
+
+/** Change one of several recordings, or all. */
+function changePart(patch: Partial<ImportPart>, number?: number): void {
+  const parts = state.importing.peek()?.parts;
+  if (!parts) return;
+  const of = (k: number): boolean => number === undefined || number === k;
+  change({ parts: parts.map((part, k) => (of(k) ? { ...part, ...patch } : part)) });
+}
+
+/** Preview the labels that files give the open recording, or import them unless `dry`. */
+async function labels(dry: boolean): Promise<LabelsFound> {
+  const { files, sequence, options } = state.importing.peek()!;
+  const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;
+  const id = crypto.randomUUID();
+  waitedFor.add(id);
+  let job = await send<JobAnswer>(path, files!, {
+    id,
+    ...(options.by_order && { by_order: true }),
+  });
+  if (!dry) noteJob(jobOf(job));
+  while (isActive(jobOf(job))) {
+    await new Promise((done) => setTimeout(done, LOOK));
+    job = await api<JobAnswer>('GET', `jobs/${job.id}`);
+  }
+  if (job.state !== 'done') throw new ApiError('Labels', job.error ?? job.message, 422);
+  return job.result as LabelsFound;
+}
+
+async function lookForLabels(): Promise<void> {
+  const turn = ++asked;
+  change({ busy: true, error: '', labels: null });
+  try {
+    const found = await labels(true);
+    if (turn === asked) change({ busy: false, labels: found });
+  } catch (error) {
+    if (turn === asked) {
+      change({ busy: false, error: error instanceof Error ? error.message : String(error) });
+    }
+  }
+}
+
+function look(): Promise<void> {
+  return state.importing.peek()?.sequence ? lookForLabels() : preview();
+}
+
+async function begin(draft: Partial<ImportDraft>): Promise<void> {
+  const project = importInto.peek();
+  const { options } = draft;
+  state.importing.value = {
+    files: null,
+    path: null,
+    sequence: null,
+    parts: null,
+    decided: true,
+    upload: null,
+    found: null,
+    labels: null,
+    busy: false,
+    error: '',
+    ...draft,
+    options: project === FIRST ? { ...options } : { project, ...options },
+  };
+  if (state.importing.peek()?.decided) await look();
+}
+
+function importFiles(files: readonly ChosenFile[], options: ImportOptions = {}): Promise<void> {
+  const open = state.sequence.peek();
+  const areLabels = files.every(({ path }) => LABELS.test(path));
+  const name = options.name ?? commonName(files);
+  return begin({
+    files,
+    sequence: open && areLabels ? open.id : null,
+    decided: areLabels || !mayBeSeveral(files),
+    options: { ...options, name },
+  });
+}
+
+/** Preview each entry in a folder of the server as a recording. */
+export const importEach = (path: string): Promise<void> =>
+  attempt('The folder was not read', async () => {
+    const entries = await api<Entry[]>('POST', 'imports/entries', { path });
+    await begin({ path, parts: partsOfEntries(entries) });
+  });
+
+async function leave(): Promise<void> {
+  const draft = state.importing.peek();
+  asked++;
+  state.importing.value = null;
+  if (draft) await dropUploads([draft, ...(draft.parts ?? [])]);
+}
+
+/** Return the message about an import of label files. */
+export function outcome({ changed, matched, files, locked }: LabelsFound): string {
+  const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
+  const pairs = files.slice(0, TOLD).map(({ file, frame }) => `${file} → ${frame}`);
+  if (files.length > TOLD) pairs.push(`${files.length - TOLD} more`);
+  const kept = locked.length > 0 ? [`Locked labels kept their points: ${locked.join(', ')}`] : [];
+  return [count, pairs.join(', '), ...kept].filter(Boolean).join('. ');
+}
+
+async function take(): Promise<void> {
+  const draft = state.importing.peek();
+  if (!draft || (draft.parts ? !areReady(draft.parts) : draft.busy)) return;
+  if (draft.sequence) {
+    change({ busy: true });
+    const found = await labels(false).finally(() => (state.importing.value = null));
+    notify('success', 'Labels imported', outcome(found));
+    return;
+  }
+  if (draft.parts) {
+    asked++;
+    state.importing.value = null;
+    await takeParts(draft.parts, draft.options);
+    return;
+  }
+  const id = crypto.randomUUID();
+  const job = await submit(draft, draft.options, id);
+  joinImports([[id, draft.options.name ?? draft.found?.name ?? '']]);
+  state.importing.value = null;
+  noteJob(job);
+}
+
+export const importActions = {
+  importPath: (path, options = {}) => begin({ path, options }),
+  importFiles,
+  correctImport: (patch) => {
+    const draft = state.importing.peek();
+    if (!draft) return Promise.resolve();
+    const options = Object.fromEntries(
+      Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
+    );
+    change({ options });
+    return look();
+  },
+  retargetImport: (sequence, several = false) => {
+    const files = state.importing.peek()?.files ?? [];
+    change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
+    return look();
+  },
+  includePart: (included, number) => changePart({ included }, number),
+  takeImport: () => attempt('The import did not start', take),
+  leaveImport: leave,
+} satisfies Partial<Actions>;

@@ -1,0 +1,202 @@
+/** Recordings: the list, export, change, delete. */
+import { actions, type Actions } from '../../store/actions';
+import { exportFormats, rememberExport, type ExportFormat } from './export-formats';
+import { noteImport } from './imports';
+import { listSequences } from '../../net/early';
+import { api, apiUrl, ApiError } from '../../net/rest';
+import type { Job } from '../../protocol/messages';
+import {
+  isActive,
+  notify,
+  state,
+  type ChosenFile,
+  type DeletedSequence,
+  type SequenceSummary,
+  type Upload,
+} from '../../store/state';
+
+/** Do some work and return true, or show the server's error message. */
+export async function succeeds(what: string, work: () => Promise<void>): Promise<boolean> {
+  try {
+    await work();
+    return true;
+  } catch (error) {
+    const detail = error instanceof ApiError ? error.message : String(error);
+    notify('error', what, detail);
+    return false;
+  }
+}
+
+/** The same where the outcome does not matter. */
+export async function attempt(what: string, work: () => Promise<void>): Promise<void> {
+  await succeeds(what, work);
+}
+
+/** Ids of awaited jobs: the caller reports their end, without a separate message. */
+export const waitedFor = new Set<string>();
+
+/** Record the state of a job from the socket or an answer; the newest one wins. */
+export function noteJob(job: Job): void {
+  const known = state.jobs.peek().find((other) => other.id === job.id);
+  // The answer to the call that began it can come after the message of its end.
+  if (known && isActive(job) && !isActive(known)) return;
+  const others = state.jobs.peek().filter((other) => other !== known);
+  state.jobs.value = [...others, job];
+  noteImport(job);
+}
+
+/** Time for which ends of several imports are collected before the list is fetched, milliseconds. */
+const SOON_MS = 500;
+let soon: ReturnType<typeof setTimeout> | null = null;
+
+/** Fetch the list of recordings, once for all that is asked within a short time. */
+export function refreshSoon(): void {
+  soon ??= setTimeout(() => {
+    soon = null;
+    void actions.refreshSequences();
+  }, SOON_MS);
+}
+
+export function setUpload(name: string, next: Upload | null): void {
+  const others = state.uploads.peek().filter((other) => other.name !== name);
+  state.uploads.value = next ? [...others, next] : others;
+}
+
+export function jobOf(
+  answer: Omit<Job, 'type' | 'frame' | 'owner'> & { owner: string | null },
+): Job {
+  return { ...answer, type: 'job', frame: null, owner: answer.owner ?? '' };
+}
+
+async function refreshSequences(): Promise<void> {
+  const list = await listSequences();
+  const rows = list.map((row): SequenceSummary => {
+    return { ...row, points: row.points.reduce((most, count) => Math.max(most, count), 0) };
+  });
+  state.copies.value = rows.filter((row) => row.copy_of);
+  state.sequences.value = rows.filter((row) => !row.copy_of);
+}
+
+/** Row of a recording, or of a copy; undefined where there is none. */
+export function rowOf(id: string | undefined): SequenceSummary | undefined {
+  const { sequences, copies } = state;
+  return [...(sequences.value ?? []), ...copies.value].find((row) => row.id === id);
+}
+
+/** Take a deleted recording off the list at once: its picture is no longer to be had. */
+export function leaveOut(id: string): void {
+  state.sequences.value = state.sequences.peek()?.filter((row) => row.id !== id) ?? null;
+}
+
+async function refreshDeleted(): Promise<void> {
+  state.deleted.value = await api<DeletedSequence[]>('GET', 'sequences?deleted=true');
+}
+
+/** The address of a recording, under the API's. */
+export function sequencePath(id: string): string {
+  return `sequences/${encodeURIComponent(id)}`;
+}
+
+/** Return a folder's name, a file's name without its ending, or the common prefix of files. */
+function beginning(names: readonly string[]): string {
+  const [first = '', ...others] = names.map((name) => name.replace(/\.[^.]+$/, ''));
+  let length = first.length;
+  for (const name of others) while (!name.startsWith(first.slice(0, length))) length--;
+  return others.length > 0 ? first.slice(0, length).replace(/[\d\s._-]+$/, '') : first;
+}
+
+export function commonName(files: readonly ChosenFile[]): string {
+  const first = files[0]?.path.split('/');
+  if (!first) return 'recording';
+  const name = first.length > 1 ? first[0]! : beginning(files.map(({ path }) => path));
+  return name.slice(0, 200) || 'recording';
+}
+
+function download(href: string): void {
+  const link = document.createElement('a');
+  link.href = href;
+  link.download = '';
+  link.click();
+}
+
+async function exportSequence(
+  format: string,
+  frames = '',
+  val = '',
+  snapshot = '',
+  id = state.sequence.peek()?.id,
+): Promise<void> {
+  if (id === undefined) return;
+  const query = new URLSearchParams({ format });
+  if (frames) query.set('frames', frames);
+  if (val) query.set('val', val);
+  if (snapshot) query.set('snapshot', snapshot);
+  // A failed or refused download reports no error: check with a request first.
+  await api('GET', sequencePath(id));
+  download(apiUrl(`${sequencePath(id)}/export?${query.toString()}`));
+  rememberExport(format);
+  notify('success', 'Export started', 'The browser saves the file in its downloads.');
+}
+
+/** Recordings deleted on this page, so that the server's message is not shown again. */
+export const deletedHere = new Set<string>();
+
+async function remove(id: string): Promise<void> {
+  const name = state.sequences.peek()?.find((row) => row.id === id)?.name ?? id;
+  deletedHere.add(id);
+  try {
+    await api('DELETE', sequencePath(id));
+  } catch (error) {
+    deletedHere.delete(id);
+    throw error;
+  }
+  const wasOpen = state.sequence.peek()?.id === id;
+  leaveOut(id);
+  if (wasOpen) actions.closeSequence();
+  const run = (): void => void attempt('The recording was not restored', () => bring(id, wasOpen));
+  notify('info', `Deleted ${name}`, 'It can be restored for 30 days.', { label: 'Undo', run });
+  await refreshSequences();
+  await refreshDeleted();
+}
+
+/** Bring a deleted recording back, by its import or its id, and open it again if it was. */
+async function bring(key: string, open = false): Promise<void> {
+  const restored = await api<{ id: string; name: string }>('POST', `${sequencePath(key)}/restore`);
+  deletedHere.delete(restored.id);
+  notify('success', 'Restored', restored.name);
+  await refreshSequences();
+  await refreshDeleted();
+  if (open && !state.sequence.peek()) actions.openSequence(restored.id);
+}
+
+export const recordingActions = {
+  refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
+  renameSequence: (id, name) =>
+    attempt('The recording was not renamed', async () => {
+      await api('PATCH', sequencePath(id), { name });
+      const info = state.sequence.peek();
+      if (info?.id === id) state.sequence.value = { ...info, name };
+      await refreshSequences();
+    }),
+  deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
+  refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
+  restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
+  importSourceLabels: (id) =>
+    attempt('The labels were not imported', async () => {
+      try {
+        await api('POST', `${sequencePath(id)}/source-labels`);
+      } finally {
+        await refreshSequences();
+      }
+    }),
+  loadExportFormats: () =>
+    attempt('The export formats did not load', async () => {
+      exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
+    }),
+  exportSequence: (...what) => attempt('The export did not start', () => exportSequence(...what)),
+  cancelJob: (id, keep = false) =>
+    attempt('The job could not be stopped', async () => {
+      const query = keep ? '?keep=true' : '';
+      noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
+    }),
+} satisfies Partial<Actions>;
