@@ -137,7 +137,7 @@ export async function addBox({ size, centre, quaternion }: Shape): Promise<void>
 
 /** Choose a box, and its label with it. */
 export function chooseBox({ id, label }: ObjectBox): void {
-  if (state.activeLabel.peek() !== label) actions.selectLabel(label);
+  if (state.activeLabel.peek() !== label) actions.labels.selectLabel(label);
   picked.value = id;
 }
 
@@ -235,7 +235,7 @@ export function trackAndFit(): void {
   const stop = (state.sequence.peek()?.frames ?? 1) - 1;
   const fit = (): void => void fitBoxes({ labels: [label], category: null, frames: null });
   const run = (to: number): void => {
-    actions.track({
+    actions.tracking.track({
       labels: [label],
       start,
       stop: to,
@@ -305,7 +305,7 @@ export function copyToFrame(step: 1 | -1): Promise<void> {
   if (!box || !(from in box.poses) || to < 0 || to >= frames) return Promise.resolve();
   return attempt('The box was not copied', async () => {
     const pose = await poseIn(box, from, to);
-    actions.step(step);
+    actions.time.step(step);
     await changeBox(box.id, { poses: { [to]: pose } });
   });
 }

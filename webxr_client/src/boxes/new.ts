@@ -62,6 +62,7 @@ export async function makeBox(volume: Volume, room: Matrix4, clicked: boolean): 
   const taken = [...boxes.peek().values()].some(
     (box) => box.label === label?.id && frame in box.poses,
   );
-  if (!label || taken) await actions.createLabel(undefined, undefined, label?.category ?? '');
+  if (!label || taken)
+    await actions.labels.createLabel(undefined, undefined, label?.category ?? '');
   await addBox(shapeOf(sized, room, info.shift));
 }

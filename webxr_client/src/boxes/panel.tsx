@@ -48,7 +48,7 @@ function Head({ box }: { box: ObjectBox | null }) {
       {box?.heading_known === false && <span class="pill" data-tip="The points do not show which end is the front. “Turn round” sets it, and so does “Front known”">Front unknown</span>}
       <span class="spacer" />
       {box && <More box={box} />}
-      <Button icon="close" tip="Close the boxes panel" small onClick={() => actions.setTool('navigate')} />
+      <Button icon="close" tip="Close the boxes panel" small onClick={() => actions.tools.setTool('navigate')} />
     </header>
   ); // prettier-ignore
 }

@@ -74,7 +74,7 @@ class CameraStrip {
     const far = Math.min(FAR, Math.max(NEAR, PART * back.length()), back.length());
     const eye = target.clone().addScaledVector(back.normalize(), far);
     this.engine.camera.lookAt(eye.applyMatrix4(room.matrix), target.applyMatrix4(room.matrix));
-    actions.aimAtMiddle();
+    actions.tools.aimAtMiddle();
   }
 }
 

@@ -41,7 +41,7 @@ export function CheckPage({ findings }: { findings: Findings }) {
           label="Enter to check"
           kind="primary"
           disabled={!ready.value || state.xr.value.supported !== true || session !== 'none'}
-          onClick={() => void actions.enterVR()}
+          onClick={() => void actions.page.enterVR()}
         />
       </footer>
     </section>

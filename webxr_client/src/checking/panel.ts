@@ -83,14 +83,14 @@ export class CheckPanel extends Panel {
       ui.button(left, y, em * (wide - 0.4), em * 2.2, { text, ...look }, act);
       left += em * wide;
     };
-    if (!doing) button('Leave VR', 7, () => void actions.exitVR());
+    if (!doing) button('Leave VR', 7, () => void actions.page.exitVR());
     else if (doing.name === 'felt') {
       button('Pulse', 5.5, () => this.pulse());
       button('Felt it', 6, () => tick('felt'));
       button('Nothing', 6.5, () => fail('felt'));
       button('Skip', 5, () => leave('felt'));
     } else {
-      if (doing.name === 'play') button('Play', 5, () => actions.togglePlay());
+      if (doing.name === 'play') button('Play', 5, () => actions.time.togglePlay());
       button('Does not work', 9.5, () => fail(doing.name));
       button('Skip', 5, () => leave(doing.name));
     }

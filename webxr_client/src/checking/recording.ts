@@ -23,7 +23,7 @@ export function openRecording(): void {
       stop();
       const [first] = sound;
       if (canEdit.peek()) void openScratch();
-      else if (first) actions.openSequence(first.id);
+      else if (first) actions.recordings.openSequence(first.id);
     });
   });
 }
@@ -31,6 +31,6 @@ export function openRecording(): void {
 async function openScratch(): Promise<void> {
   await attempt('The recording for the check was not made', async () => {
     const { sequence } = await api<{ sequence: string }>('POST', 'headset-checks');
-    actions.openSequence(sequence);
+    actions.recordings.openSequence(sequence);
   });
 }

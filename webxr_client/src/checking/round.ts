@@ -39,21 +39,27 @@ function ask(what: Asked): void {
 
 /** Record requested actions from now on. */
 export function noteActions(): void {
-  const step = actions.step.bind(actions);
-  const undo = actions.undo.bind(actions);
-  const selectLabel = actions.selectLabel.bind(actions);
+  const step = actions.time.step.bind(actions.time);
+  const undo = actions.history.undo.bind(actions.history);
+  const selectLabel = actions.labels.selectLabel.bind(actions.labels);
   bindActions({
-    step: (frames) => {
-      ask('step');
-      step(frames);
+    time: {
+      step: (frames) => {
+        ask('step');
+        step(frames);
+      },
     },
-    undo: () => {
-      ask('undo');
-      undo();
+    history: {
+      undo: () => {
+        ask('undo');
+        undo();
+      },
     },
-    selectLabel: (id) => {
-      ask('label');
-      selectLabel(id);
+    labels: {
+      selectLabel: (id) => {
+        ask('label');
+        selectLabel(id);
+      },
     },
   });
 }
@@ -122,11 +128,11 @@ export class Round {
     const { engine, cockpit, session, findings } = this;
     const found = describe(session, engine.viewer, cockpit.mode, cockpit.floor);
     void found.then((facts) => (findings.session = facts));
-    if (task.peek()?.name === 'play') actions.play();
+    if (task.peek()?.name === 'play') actions.time.play();
   }
 
   private played(): void {
-    actions.pause();
+    actions.time.pause();
     this.findings.pictures = this.pictures.sum(this.session);
     tick('play');
   }

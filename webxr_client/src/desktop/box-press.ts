@@ -38,7 +38,7 @@ export class BoxPress {
     const within = hit ? hit.distance + BEHIND : Infinity;
     const box = boxMet(new Vector3(...origin), new Vector3(...direction), within);
     if (label !== 0 && label !== DELETED && label !== box?.label) {
-      if (state.activeLabel.peek() !== label) actions.selectLabel(label);
+      if (state.activeLabel.peek() !== label) actions.labels.selectLabel(label);
       picked.value = FOLLOWS;
     } else if (box) chooseBox(box);
   }

@@ -87,7 +87,7 @@ export function commandsNow(): readonly Command[] {
             group: 'Labels',
             shown: '',
             also: 'combine join unite labels',
-            run: () => actions.mergeLabel(active.id, id),
+            run: () => actions.labels.mergeLabel(active.id, id),
           },
         ],
   );
@@ -95,7 +95,7 @@ export function commandsNow(): readonly Command[] {
     what: `Choose ${name}`,
     group: 'Labels',
     shown: '',
-    run: () => actions.selectLabel(id),
+    run: () => actions.labels.selectLabel(id),
   }));
   const open = state.sequence.peek()?.id;
   const recordings = (state.sequences.peek() ?? [])
@@ -104,7 +104,7 @@ export function commandsNow(): readonly Command[] {
       what: `Open ${name}`,
       group: 'Recordings',
       shown: '',
-      run: () => actions.openSequence(id),
+      run: () => actions.recordings.openSequence(id),
     }));
   return [...table, ...labels, ...recordings, ...merges];
 }
@@ -165,6 +165,6 @@ export function frameCommand(query: string): readonly Command[] {
   const frame = /^\d+$/.test(query.trim()) ? Number(query) : -1;
   if (frame < 0 || frame >= frames) return [];
   return [
-    { what: `Go to frame ${frame}`, group: 'Time', shown: '', run: () => actions.seek(frame) },
+    { what: `Go to frame ${frame}`, group: 'Time', shown: '', run: () => actions.time.seek(frame) },
   ];
 }

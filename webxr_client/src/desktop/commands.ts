@@ -70,7 +70,7 @@ function plain(
 }
 
 function tool(name: Tool, what: string): KeyBinding {
-  return plain('Tools', what, () => actions.setTool(name), edits);
+  return plain('Tools', what, () => actions.tools.setTool(name), edits);
 }
 
 function outline(kind: OutlineKind, what: string): KeyBinding {
@@ -78,7 +78,7 @@ function outline(kind: OutlineKind, what: string): KeyBinding {
     'Tools',
     what,
     () => {
-      actions.setShape('lasso');
+      actions.tools.setShape('lasso');
       outlineKind.value = kind;
     },
     edits,
@@ -98,19 +98,19 @@ function brushSwitch(name: Switches<BrushSettings>, what: string): KeyBinding {
 
 function viewSwitch(name: Switches<ViewSettings>, what: string): KeyBinding {
   return plain('View', `${what}: show or hide`, () =>
-    actions.setView({ [name]: !state.view.peek()[name] }),
+    actions.view.setView({ [name]: !state.view.peek()[name] }),
   );
 }
 
 function from(preset: ViewPreset, what: string): KeyBinding {
-  return plain('View', what, () => actions.viewFrom(preset));
+  return plain('View', what, () => actions.view.viewFrom(preset));
 }
 
 function colour(color: ColorMode, what: string, field = ''): KeyBinding {
   return plain(
     'View',
     `Colour points by ${what}`,
-    () => actions.setView({ color }),
+    () => actions.view.setView({ color }),
     () => inRecording() && (!field || (state.sequence.peek()?.fields ?? []).includes(field)),
   );
 }
@@ -146,7 +146,7 @@ const MORE: readonly KeyBinding[] = [
   key('z', 'Z', 'Work', 'Next suspicious place', () => stepFindings(1)),
   key('shift+z', 'Shift Z', 'Work', 'Previous suspicious place', () => stepFindings(-1)),
   key('shift+y', 'Shift Y', 'Work', 'Confirm the doubtful labels of this frame', () => {
-    if (canReview.peek()) void actions.acceptHere();
+    if (canReview.peek()) void actions.tracking.acceptHere();
   }),
   key('ctrl+enter', 'Ctrl Enter', 'Work', 'Mark this frame as checked', () =>
     judgeHere('accepted'),
@@ -161,34 +161,34 @@ const MORE: readonly KeyBinding[] = [
   ...WORK.map(([tab, what]) =>
     plain('Work', what, () => openWork(tab), tab === 'agreement' ? reviews : inRecording),
   ),
-  key('u', 'U', 'Time', 'Next frame without labels', () => actions.nextUnlabelled(1)),
+  key('u', 'U', 'Time', 'Next frame without labels', () => actions.time.nextUnlabelled(1)),
   key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
-    actions.nextUnlabelled(-1),
+    actions.time.nextUnlabelled(-1),
   ),
-  key('shift+i', 'Shift I', 'Time', 'In point: the loop begins here', () => actions.setIn()),
-  key('shift+o', 'Shift O', 'Time', 'Out point: the loop ends here', () => actions.setOut()),
+  key('shift+i', 'Shift I', 'Time', 'In point: the loop begins here', () => actions.time.setIn()),
+  key('shift+o', 'Shift O', 'Time', 'Out point: the loop ends here', () => actions.time.setOut()),
   plain('Time', 'Clear in and out points', () => (frameRange.value = null)),
   ...[0.1, 0.25, 0.5, 1, 2, 4].map((speed) =>
-    plain('Time', `Play at ${speed}×`, () => actions.setSpeed(speed)),
+    plain('Time', `Play at ${speed}×`, () => actions.time.setSpeed(speed)),
   ),
   tool('paint', 'Paint with the last shape'),
   outline('polygon', 'Polygon: click the corners of an outline'),
   outline('rectangle', 'Rectangle: drag an outline from corner to corner'),
   tool('floor', 'Set the floor'),
-  plain('Tools', 'Reset the floor to the import', () => actions.resetFloor(), edits),
+  plain('Tools', 'Reset the floor to the import', () => actions.view.resetFloor(), edits),
   brushSwitch('onlyUnlabeled', 'Only unlabeled points'),
   brushSwitch('through', 'Points behind the first surface'),
   brushSwitch('takeLabelled', 'Take objects from other labels'),
   brushSwitch('complete', 'Offer objects after a stroke'),
   brushSwitch('follow', 'Follow painted labels'),
   label('Rename the label', (id) => (renaming.value = id)),
-  label('Hide or show the label', (id) => actions.toggleVisible(id)),
-  label('Lock or unlock the label', (id) => actions.toggleLock(id)),
-  label('Show only the label, or all', (id) => actions.solo(id)),
-  label('Split the label into parts', (id) => actions.splitLabel(id)),
-  label('Delete the label', (id) => actions.deleteLabel(id)),
-  plain('Labels', 'Add the labels of a palette file…', () => actions.pickPalette(), edits),
-  plain('Labels', 'Save the palette as a file', () => actions.savePalette()),
+  label('Hide or show the label', (id) => actions.labels.toggleVisible(id)),
+  label('Lock or unlock the label', (id) => actions.labels.toggleLock(id)),
+  label('Show only the label, or all', (id) => actions.labels.solo(id)),
+  label('Split the label into parts', (id) => actions.labels.splitLabel(id)),
+  label('Delete the label', (id) => actions.labels.deleteLabel(id)),
+  plain('Labels', 'Add the labels of a palette file…', () => actions.labels.pickPalette(), edits),
+  plain('Labels', 'Save the palette as a file', () => actions.labels.savePalette()),
   viewSwitch('hideUnlabeled', 'Only labeled points'),
   viewSwitch('boxes', 'Boxes'),
   viewSwitch('trails', 'Trails'),
@@ -210,9 +210,9 @@ const MORE: readonly KeyBinding[] = [
     const now = clip.peek();
     if (now) clip.value = { ...now, follows: !now.follows };
   }),
-  plain('View', 'Clip to a level slab', () => actions.clipTo(1)),
-  plain('View', 'Clip to a slab across the view', () => actions.clipTo(2)),
-  plain('View', 'Clip to a slab along the view', () => actions.clipTo(0)),
+  plain('View', 'Clip to a level slab', () => actions.view.clipTo(1)),
+  plain('View', 'Clip to a slab across the view', () => actions.view.clipTo(2)),
+  plain('View', 'Clip to a slab along the view', () => actions.view.clipTo(0)),
   from('front', 'Look from the front'),
   from('left', 'Look from the left'),
   from('right', 'Look from the right'),
@@ -224,10 +224,10 @@ const MORE: readonly KeyBinding[] = [
     () => edits() && trackingJob.peek() === null,
   ),
   plain('Edit', 'Label by example: show or hide the prediction', () => toggleExample()),
-  plain('Edit', 'Track on from this frame', () => actions.continueRun(), edits),
+  plain('Edit', 'Track on from this frame', () => actions.tracking.continueRun(), edits),
   plain('Edit', 'History of edits', () => (historyOpen.value = true)),
   plain('Recordings', 'Export points and labels…', () => (exportOpen.value = true)),
-  plain('Recordings', 'All recordings', () => actions.closeSequence()),
+  plain('Recordings', 'All recordings', () => actions.recordings.closeSequence()),
   plain('Recordings', 'Sign out', signOut, () => state.me.peek() !== null),
   plain(
     'Recordings',
@@ -238,7 +238,7 @@ const MORE: readonly KeyBinding[] = [
   plain(
     'View',
     'Enter VR',
-    () => actions.enterVR(),
+    () => actions.page.enterVR(),
     () => inRecording() && state.xr.peek().supported === true,
   ),
 ];

@@ -43,7 +43,7 @@ class Desk {
       boxes,
     });
     this.presence = new DeskPresence(engine.link);
-    this.going = new Going({ viewer, camera, frame, seek: (index) => actions.seek(index) });
+    this.going = new Going({ viewer, camera, frame, seek: (index) => actions.time.seek(index) });
     this.clipping = new Clipping({ viewer, camera, frame });
     watch([state.frame, state.sequence, state.tool, canEdit], () => this.pointer.interrupt());
     const { tool, brush, activeLabel, palette, solo, view } = state;
@@ -73,23 +73,27 @@ class Desk {
     const { camera, viewer, objects } = this.engine;
     const { pointer, going, clipping } = this;
     bindActions({
-      toggleOrthographic: () => {
-        camera.toggleOrthographic();
-        viewer.invalidate();
+      view: {
+        toggleOrthographic: () => {
+          camera.toggleOrthographic();
+          viewer.invalidate();
+        },
+        keepView: () => addBookmark(camera.view, state.frame.peek()),
+        goToView: ({ frame, view }) => {
+          if (frame !== state.frame.peek()) actions.time.seek(frame);
+          camera.restore(view);
+        },
+        goToObject: (label = state.activeLabel.peek(), frame) => going.goTo(label, frame),
+        clipTo: (slab) => clipping.set(slab),
       },
-      keepView: () => addBookmark(camera.view, state.frame.peek()),
-      goToView: ({ frame, view }) => {
-        if (frame !== state.frame.peek()) actions.seek(frame);
-        camera.restore(view);
+      tools: {
+        aimAtMiddle: () => pointer.aimAtMiddle(),
+        useInMiddle: () => pointer.useInMiddle(),
+        cancelStroke: () => pointer.cancel() || objects.end() || leaveBox(),
+        closeOutline: () => pointer.closeOutline(),
+        takeBackCorner: () => pointer.takeBackCorner(),
+        snapBox: () => pointer.snapBox(),
       },
-      goToObject: (label = state.activeLabel.peek(), frame) => going.goTo(label, frame),
-      clipTo: (slab) => clipping.set(slab),
-      aimAtMiddle: () => pointer.aimAtMiddle(),
-      useInMiddle: () => pointer.useInMiddle(),
-      cancelStroke: () => pointer.cancel() || objects.end() || leaveBox(),
-      closeOutline: () => pointer.closeOutline(),
-      takeBackCorner: () => pointer.takeBackCorner(),
-      snapBox: () => pointer.snapBox(),
     });
   }
 }

@@ -41,7 +41,7 @@ function showNatural(on: boolean): void {
 function chooseShape(shape: BrushShape): void {
   const again = shape === 'lasso' && state.brush.peek().shape === shape;
   if (again && isStroke(state.tool.peek())) nextOutlineKind();
-  else actions.setShape(shape);
+  else actions.tools.setShape(shape);
 }
 
 const HELD = { repeats: true } as const;
@@ -64,23 +64,30 @@ function boxed(name: string, shown: string, what: string, run: () => unknown): K
 }
 
 export const KEYS: readonly KeyBinding[] = [
-  key(' ', 'Space', 'Time', 'Play or pause', () => actions.togglePlay()),
-  key('arrowleft', '←', 'Time', 'One frame back', () => actions.step(-1), HELD),
-  key('arrowright', '→', 'Time', 'One frame forward', () => actions.step(1), HELD),
-  key('shift+arrowleft', 'Shift ←', 'Time', 'Ten frames back', () => actions.step(-10), HELD),
-  key('shift+arrowright', 'Shift →', 'Time', 'Ten frames forward', () => actions.step(10), HELD),
-  key('home', 'Home', 'Time', 'First frame', () => actions.seek(0)),
-  key('end', 'End', 'Time', 'Last frame', () => actions.seek(Number.MAX_SAFE_INTEGER)),
-  key(',', ',', 'Time', 'Previous doubtful frame', () => actions.nextDoubtful(-1)),
-  key('.', '.', 'Time', 'Next doubtful frame', () => actions.nextDoubtful(1)),
-  key('l', 'L', 'Time', 'Loop', () => actions.toggleLoop()),
+  key(' ', 'Space', 'Time', 'Play or pause', () => actions.time.togglePlay()),
+  key('arrowleft', '←', 'Time', 'One frame back', () => actions.time.step(-1), HELD),
+  key('arrowright', '→', 'Time', 'One frame forward', () => actions.time.step(1), HELD),
+  key('shift+arrowleft', 'Shift ←', 'Time', 'Ten frames back', () => actions.time.step(-10), HELD),
+  key(
+    'shift+arrowright',
+    'Shift →',
+    'Time',
+    'Ten frames forward',
+    () => actions.time.step(10),
+    HELD,
+  ),
+  key('home', 'Home', 'Time', 'First frame', () => actions.time.seek(0)),
+  key('end', 'End', 'Time', 'Last frame', () => actions.time.seek(Number.MAX_SAFE_INTEGER)),
+  key(',', ',', 'Time', 'Previous doubtful frame', () => actions.time.nextDoubtful(-1)),
+  key('.', '.', 'Time', 'Next doubtful frame', () => actions.time.nextDoubtful(1)),
+  key('l', 'L', 'Time', 'Loop', () => actions.time.toggleLoop()),
 
-  key('v', 'V', 'Tools', 'Look around', () => actions.setTool('navigate')),
+  key('v', 'V', 'Tools', 'Look around', () => actions.tools.setTool('navigate')),
   key('b', 'B', 'Tools', 'Paint', () => {
-    actions.setTool('paint');
-    actions.setShape('brush');
+    actions.tools.setTool('paint');
+    actions.tools.setShape('brush');
   }),
-  key('c', 'C', 'Tools', 'Eraser', () => actions.toggleEraser()),
+  key('c', 'C', 'Tools', 'Eraser', () => actions.tools.toggleEraser()),
   ...DESK_WAYS.filter(({ shape }) => shape !== 'brush').map(({ shape, desk }): KeyBinding => ({
     keys: [desk.key.toLowerCase()],
     shown: desk.key,
@@ -93,27 +100,27 @@ export const KEYS: readonly KeyBinding[] = [
     'Enter',
     'Tools',
     'Close the polygon, take the points in the box, or answer with the likelier class',
-    () => actions.closeOutline() || answerDoubt(question.peek()?.classes[0]),
+    () => actions.tools.closeOutline() || answerDoubt(question.peek()?.classes[0]),
   ),
   key(';', ';', 'Tools', 'By example: next doubt', () => skipDoubt()),
   key('`', '`', 'Tools', 'By example: natural colours while it is held', () => showNatural(true), {
     when: () => exampleOpen.peek(),
     released: () => showNatural(false),
   }),
-  key('shift+g', 'Shift G', 'Tools', 'Snap the box to the ground', () => actions.snapBox()),
+  key('shift+g', 'Shift G', 'Tools', 'Snap the box to the ground', () => actions.tools.snapBox()),
   key(
     '0',
     '0',
     'Tools',
     'Use the tool at the centre of the view, or answer a doubt with no class',
-    () => answerDoubt(null) || actions.useInMiddle(),
+    () => answerDoubt(null) || actions.tools.useInMiddle(),
   ),
   key(
     'backspace',
     'Backspace',
     'Tools',
     'Remove the polygon’s last corner, or undo the answer to a doubt',
-    () => actions.takeBackCorner() || takeBackAnswer(),
+    () => actions.tools.takeBackCorner() || takeBackAnswer(),
   ),
   {
     keys: ['escape'],
@@ -121,34 +128,43 @@ export const KEYS: readonly KeyBinding[] = [
     what: 'Cancel the stroke, lasso or object',
     listed: false,
     group: 'Tools',
-    run: () => actions.cancelStroke(),
+    run: () => actions.tools.cancelStroke(),
   },
   key(
     'tab',
     'Tab',
     'Tools',
     'Complete the stroke to an object, or return to the last label',
-    () => actions.completeObject() || actions.lastLabel(),
+    () => actions.tools.completeObject() || actions.labels.lastLabel(),
   ),
-  key(['+', '='], '+', 'Tools', 'Object: towards the group', () => actions.stepObject(1), HELD),
-  key('-', '−', 'Tools', 'Object: towards the part', () => actions.stepObject(-1), HELD),
-  key('shift+x', 'Shift X', 'Tools', 'Restore deleted points', () => actions.setTool('restore')),
-  key('x', 'X', 'Tools', 'Delete noise', () => actions.setTool('delete')),
-  key('i', 'I', 'Tools', 'Pick a label', () => actions.setTool('pick')),
-  key('shift+b', 'Shift B', 'Tools', 'Boxes of objects', () => actions.setTool('boxes')),
+  key(
+    ['+', '='],
+    '+',
+    'Tools',
+    'Object: towards the group',
+    () => actions.tools.stepObject(1),
+    HELD,
+  ),
+  key('-', '−', 'Tools', 'Object: towards the part', () => actions.tools.stepObject(-1), HELD),
+  key('shift+x', 'Shift X', 'Tools', 'Restore deleted points', () =>
+    actions.tools.setTool('restore'),
+  ),
+  key('x', 'X', 'Tools', 'Delete noise', () => actions.tools.setTool('delete')),
+  key('i', 'I', 'Tools', 'Pick a label', () => actions.tools.setTool('pick')),
+  key('shift+b', 'Shift B', 'Tools', 'Boxes of objects', () => actions.tools.setTool('boxes')),
   boxed('shift+f', 'Shift F', 'Box from the label’s points in this frame', boxFromPoints),
   boxed('shift+p', 'Shift P', 'Points from the box in this frame', () => pointsFromBox(false)),
   boxed('shift+c', 'Shift C', 'Copy the box to the next frame', () => copyToFrame(1)),
   boxed('shift+t', 'Shift T', 'Turn the box round: its front is at the other end', turnRound),
   boxed('shift+l', 'Shift L', 'Interpolate between two drawn boxes', interpolate),
-  key('[', '[', 'Tools', 'Smaller brush', () => actions.nudgeRadius(-1), HELD),
+  key('[', '[', 'Tools', 'Smaller brush', () => actions.tools.nudgeRadius(-1), HELD),
   {
     keys: [']'],
     shown: ']',
     what: 'Larger brush',
     group: 'Tools',
     repeats: true,
-    run: () => actions.nudgeRadius(1),
+    run: () => actions.tools.nudgeRadius(1),
   },
 
   {
@@ -157,7 +173,7 @@ export const KEYS: readonly KeyBinding[] = [
     what: 'Choose a label, or answer a doubt with a class',
     listed: false,
     group: 'Labels',
-    run: (key) => answerNth(Number(key)) || actions.selectNthLabel(Number(key)),
+    run: (key) => answerNth(Number(key)) || actions.labels.selectNthLabel(Number(key)),
   },
   {
     keys: [1, 2, 3, 4, 5, 6, 7, 8, 9].map((digit) => `shift+${digit}`),
@@ -165,17 +181,17 @@ export const KEYS: readonly KeyBinding[] = [
     what: 'Choose label 10, 11, …',
     listed: false,
     group: 'Labels',
-    run: (key) => actions.selectNthLabel(9 + Number(key)),
+    run: (key) => actions.labels.selectNthLabel(9 + Number(key)),
   },
   key('/', '/', 'Labels', 'Search the labels', () => openSearch()),
-  key('n', 'N', 'Labels', 'New label', () => void actions.newLabel()),
+  key('n', 'N', 'Labels', 'New label', () => void actions.labels.newLabel()),
 
-  key('r', 'R', 'View', 'Look from the sensor', () => actions.viewFrom('sensor')),
-  key('t', 'T', 'View', 'Look from above', () => actions.viewFrom('top')),
-  key('f', 'F', 'View', 'Go to the active label’s object', () => actions.goToObject()),
+  key('r', 'R', 'View', 'Look from the sensor', () => actions.view.viewFrom('sensor')),
+  key('t', 'T', 'View', 'Look from above', () => actions.view.viewFrom('top')),
+  key('f', 'F', 'View', 'Go to the active label’s object', () => actions.view.goToObject()),
   key('y', 'Y', 'View', 'Clip to a box or show everything', () => {
     if (clip.peek()) clip.value = null;
-    else actions.clipTo(null);
+    else actions.view.clipTo(null);
   }),
   key(
     'pageup',
@@ -186,10 +202,17 @@ export const KEYS: readonly KeyBinding[] = [
     HELD,
   ),
   key('pagedown', 'Page ↓', 'View', 'Move the clip box back', () => scrollClip(-1), HELD),
-  key('p', 'P', 'View', 'Perspective or orthographic', () => actions.toggleOrthographic()),
+  key('p', 'P', 'View', 'Perspective or orthographic', () => actions.view.toggleOrthographic()),
 
-  key('ctrl+z', 'Ctrl Z', 'Edit', 'Undo', () => actions.undo(), HELD),
-  key(['ctrl+shift+z', 'ctrl+y'], 'Ctrl Shift Z', 'Edit', 'Redo', () => actions.redo(), HELD),
+  key('ctrl+z', 'Ctrl Z', 'Edit', 'Undo', () => actions.history.undo(), HELD),
+  key(
+    ['ctrl+shift+z', 'ctrl+y'],
+    'Ctrl Shift Z',
+    'Edit',
+    'Redo',
+    () => actions.history.redo(),
+    HELD,
+  ),
 ];
 
 /** Held keys that walk (handled by the camera, listed for the help). */

@@ -149,8 +149,8 @@ export class DeskPointer {
 
   private tap(): void {
     const label = state.tool.peek() === 'pick' ? this.aim.labelHere() : 0;
-    if (label !== 0) actions.selectLabel(label);
-    if (state.tool.peek() === 'floor') void actions.pointAtFloor(this.aim.ray());
+    if (label !== 0) actions.labels.selectLabel(label);
+    if (state.tool.peek() === 'floor') void actions.view.pointAtFloor(this.aim.ray());
   }
 
   private pivotUnderCursor(drag: Drag): Drag {
@@ -270,7 +270,7 @@ export class DeskPointer {
     if (this.clicksObjects() && !event.ctrlKey && this.turnLevels(notches)) return;
     const notch = event.ctrlKey && !event.metaKey && Math.abs(event.deltaY) >= 50;
     if (notch && !this.clicksObjects()) {
-      actions.nudgeRadius(Math.sign(notches));
+      actions.tools.nudgeRadius(Math.sign(notches));
       return;
     }
     this.zoom(event.ctrlKey ? notches * 4 : notches);

@@ -1,5 +1,5 @@
 /** Actions of tools and of the brush. */
-import type { Actions } from '../store/actions';
+import type { ActionParts } from '../store/actions';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../store/state';
 
 const RADIUS_NOTCH = 1.15;
@@ -21,15 +21,19 @@ function toggleEraser(): void {
 }
 
 export const brushActions = {
-  setTool: (tool) => {
-    state.tool.value = tool;
+  tools: {
+    setTool: (tool) => {
+      state.tool.value = tool;
+    },
+    setShape: (shape) => {
+      patch(state.brush, { shape });
+      if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
+    },
+    setRadius,
+    nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
+    toggleEraser,
   },
-  setShape: (shape) => {
-    patch(state.brush, { shape });
-    if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
+  view: {
+    setView: (settings) => patch(state.view, settings),
   },
-  setRadius,
-  nudgeRadius: (notches) => setRadius(state.brush.peek().radius * RADIUS_NOTCH ** notches),
-  toggleEraser,
-  setView: (settings) => patch(state.view, settings),
-} satisfies Partial<Actions>;
+} satisfies ActionParts;

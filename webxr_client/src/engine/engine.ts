@@ -120,7 +120,7 @@ export class Engine {
       send,
       later,
       last: () => (state.sequence.peek()?.frames ?? 1) - 1,
-      cancel: (job) => void actions.cancelJob(job),
+      cancel: (job) => void actions.tracking.cancelJob(job),
       on: () => state.brush.peek().follow,
       busy: () => strokes.drawing || state.jobs.peek().some(isActive),
     });
@@ -232,17 +232,19 @@ export class Engine {
     bindActions(floorActions);
     bindActions(timeActions(this.playback));
     bindActions({
-      viewFrom: (preset) => this.viewFrom(preset),
-      undo: () => this.travel('undo'),
-      redo: () => this.travel('redo'),
-      stepObject: (levels) => this.objects.step(levels),
-      completeObject: () => this.objects.accept(),
-      endObject: () => this.objects.end(),
-      track: (request) => this.track(request),
-      openSequence: (id) => this.openSequence(id),
-      closeSequence: () => this.closeSequence(),
-      reconnect: () => this.link.connect(),
-      dismissNotice: dismiss,
+      view: { viewFrom: (preset) => this.viewFrom(preset) },
+      history: { undo: () => this.travel('undo'), redo: () => this.travel('redo') },
+      tools: {
+        stepObject: (levels) => this.objects.step(levels),
+        completeObject: () => this.objects.accept(),
+        endObject: () => this.objects.end(),
+      },
+      tracking: { track: (request) => this.track(request) },
+      recordings: {
+        openSequence: (id) => this.openSequence(id),
+        closeSequence: () => this.closeSequence(),
+      },
+      page: { reconnect: () => this.link.connect(), dismissNotice: dismiss },
     });
   }
 

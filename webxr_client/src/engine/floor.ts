@@ -1,7 +1,7 @@
 /** The floor: people point at it, and the server stands the recording on it. */
 import type { PointerSample, Vec } from '../store/types';
 import { signal, type ReadonlySignal } from '@preact/signals';
-import type { Actions } from '../store/actions';
+import type { ActionParts } from '../store/actions';
 import { api } from '../net/rest';
 import { canEdit, notify, state } from '../store/state';
 import { watch } from '../store/watch';
@@ -78,6 +78,8 @@ async function resetFloor(): Promise<void> {
 }
 
 export const floorActions = {
-  pointAtFloor,
-  resetFloor,
-} satisfies Partial<Actions>;
+  view: {
+    pointAtFloor,
+    resetFloor,
+  },
+} satisfies ActionParts;

@@ -37,7 +37,7 @@ describe('a recording that somebody deletes', () => {
 
   beforeEach(() => {
     vi.clearAllMocks();
-    bindActions({ closeSequence, refreshSequences });
+    bindActions({ recordings: { closeSequence, refreshSequences } });
     state.sequence.value = { id: 'wall' } as SequenceInfo;
     state.sequences.value = [{ id: 'wall' } as SequenceSummary];
     state.notices.value = [];
@@ -108,7 +108,7 @@ describe('the end of a run', () => {
   };
 
   beforeEach(() => {
-    bindActions({ pause: vi.fn(), seek: vi.fn(), selectLabel: vi.fn() });
+    bindActions({ time: { pause: vi.fn(), seek: vi.fn() }, labels: { selectLabel: vi.fn() } });
     state.sequence.value = { id: 'wall' } as SequenceInfo;
     state.notices.value = [];
     state.jobs.value = [];
@@ -149,7 +149,7 @@ describe('the end of a run', () => {
   });
 
   it('of an import offers to open it until that is used', async () => {
-    bindActions({ refreshSequences: () => Promise.resolve(), openSequence });
+    bindActions({ recordings: { refreshSequences: () => Promise.resolve(), openSequence } });
     vi.useFakeTimers();
     inbox.receive({ t: 'message', message: { ...job, kind: 'import', sequence: 'street' } });
     await vi.advanceTimersByTimeAsync(60_000);

@@ -151,7 +151,7 @@ export class Inbox {
       if (answered) return;
     }
     // A recording that does not exist is neither "opening" nor open.
-    else if (state.opening.peek() !== null || status === 404) actions.closeSequence();
+    else if (state.opening.peek() !== null || status === 404) actions.recordings.closeSequence();
     // Nothing to undo is an answer, not a fault.
     notify(status === 409 ? 'info' : 'error', title, detail);
   }
@@ -159,16 +159,16 @@ export class Inbox {
   /** A recording was deleted while it is open here: back to the list, which lacks it by now. */
   private sendOut(sequence: string, detail: string): void {
     leaveOut(sequence);
-    if (state.sequence.peek()?.id === sequence) actions.closeSequence();
-    void actions.refreshSequences();
+    if (state.sequence.peek()?.id === sequence) actions.recordings.closeSequence();
+    void actions.recordings.refreshSequences();
     if (!deletedHere.has(sequence)) notify('info', 'The recording was closed', detail);
   }
 
   private async welcomed(): Promise<void> {
-    await Promise.all([actions.refreshSequences(), this.deps.opening]);
+    await Promise.all([actions.recordings.refreshSequences(), this.deps.opening]);
     if (state.sequence.peek() || state.opening.peek() !== null) return;
     const first = firstOf(state.sequences.peek() ?? []);
-    if (first !== null) actions.openSequence(first);
+    if (first !== null) actions.recordings.openSequence(first);
   }
 
   private takeSequence(info: SequenceInfo): void {
@@ -209,7 +209,7 @@ export class Inbox {
   private async jobDone(job: Extract<PlainMessage, { type: 'job' }>): Promise<void> {
     if (job.kind !== 'import') return;
     const before = new Set((state.sequences.peek() ?? []).map((entry) => entry.id));
-    await actions.refreshSequences();
+    await actions.recordings.refreshSequences();
     const fresh = (state.sequences.peek() ?? []).find((entry) => !before.has(entry.id));
     offer(job.sequence ?? fresh?.id ?? null, fresh?.name ?? job.message);
   }
@@ -230,10 +230,10 @@ function isShownElsewhere(job: Job): boolean {
 function offer(id: string | null, name: string): void {
   if (id === null || state.sequence.peek() === null) {
     notify('success', 'Imported', name);
-    if (id !== null) actions.openSequence(id);
+    if (id !== null) actions.recordings.openSequence(id);
     return;
   }
-  const run = (): void => actions.openSequence(id);
+  const run = (): void => actions.recordings.openSequence(id);
   notify('success', 'Imported', name, { label: 'Open', run, stays: true });
 }
 

@@ -1,6 +1,6 @@
 /** Doubt: labels to check in this frame, and a run that stopped for doubt and its continuation. */
 import { computed, type ReadonlySignal, signal } from '@preact/signals';
-import { actions, type Actions, type TrackRequest } from '../store/actions';
+import { actions, type ActionParts, type TrackRequest } from '../store/actions';
 import { api } from '../net/rest';
 import { cellKind, wantsLook } from '../store/cells';
 import { dismiss, notify, state, type TimelineRow } from '../store/state';
@@ -105,10 +105,10 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   const labels = request.labels ?? [...state.timeline.peek().rows.keys()];
   stopped = request;
   halted.value = { at: frame, stop: request.stop, labels };
-  actions.pause();
-  actions.seek(frame);
-  actions.selectLabel(label);
-  actions.goToObject(label, frame);
+  actions.time.pause();
+  actions.time.seek(frame);
+  actions.labels.selectLabel(label);
+  actions.view.goToObject(label, frame);
   notify(
     'info',
     `${DOUBTFUL_HERE}: ${namesOf([label])}`,
@@ -135,7 +135,7 @@ function continueRun(): void {
     return;
   }
   const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: doubtful.length > 0 };
-  actions.track({ ...how, labels, start, stop });
+  actions.tracking.track({ ...how, labels, start, stop });
 }
 
 async function acceptHere(): Promise<void> {
@@ -149,9 +149,11 @@ async function acceptHere(): Promise<void> {
 }
 
 export const reviewActions = {
-  acceptHere,
-  continueRun,
-} satisfies Partial<Actions>;
+  tracking: {
+    acceptHere,
+    continueRun,
+  },
+} satisfies ActionParts;
 
 /** A stretch of frames that a label is doubtful in: judged, or tracked again, in one press. */
 export interface Stretch {
@@ -221,12 +223,15 @@ function trackAgain(): void {
   const found = stretch.peek();
   if (!found) return;
   const run = againOver(found, state.timeline.peek().rows);
-  if (run) actions.track({ ...run, method: 'auto', overwrite: 'tracked', continue_lost: true });
+  if (run)
+    actions.tracking.track({ ...run, method: 'auto', overwrite: 'tracked', continue_lost: true });
   else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
 }
 
 export const stretchActions = {
-  acceptStretch: () => judge('accept', 'The range was not confirmed'),
-  clearStretch: () => judge('clear', 'The range was not cleared'),
-  trackStretch: trackAgain,
-} satisfies Partial<Actions>;
+  tracking: {
+    acceptStretch: () => judge('accept', 'The range was not confirmed'),
+    clearStretch: () => judge('clear', 'The range was not cleared'),
+    trackStretch: trackAgain,
+  },
+} satisfies ActionParts;

@@ -10,7 +10,7 @@ const entry = { id: 'mine', kind: 'undo', summary: "undo: paint 'pin 1'", frames
 
 beforeEach(() => {
   vi.clearAllMocks();
-  bindActions({ pause: vi.fn(), seek, goToObject });
+  bindActions({ time: { pause: vi.fn(), seek }, view: { goToObject } });
   vi.stubGlobal('document', { baseURI: 'http://host/' });
   vi.stubGlobal('fetch', () => Promise.resolve(Response.json([{ ...entry, id: 'other' }, entry])));
   state.sequence.value = { id: 'wall' } as SequenceInfo;

@@ -1,5 +1,5 @@
 /** Moving through time: play, step, seek, the next doubtful frame, and the frame of an undo. */
-import { actions, type Actions } from '../store/actions';
+import { actions, type ActionParts } from '../store/actions';
 import { api } from '../net/rest';
 import { frameRange, ordered } from '../store/range';
 import { cellKind, nextUnlabelled, wantsLook } from '../store/cells';
@@ -12,47 +12,49 @@ const FASTEST = 16;
 
 export function timeActions(playback: Playback) {
   return {
-    togglePlay: () => (state.playing.peek() ? playback.pause() : playback.play()),
-    play: () => playback.play(),
-    pause: () => playback.pause(),
-    step: (frames) => {
-      const info = state.sequence.peek();
-      if (!info) return;
-      playback.pause();
-      playback.seek(wrapped(state.frame.peek() + frames, info.frames));
-    },
-    seek: (frame) => playback.seek(frame),
-    setSpeed: (speed) => {
-      state.speed.value = Math.min(FASTEST, Math.max(-FASTEST, speed));
-      playback.restart();
-    },
-    toggleLoop: () => {
-      state.loop.value = !state.loop.peek();
-      playback.restart();
-    },
-    nextUnlabelled: (direction) => {
-      const rows = [...state.timeline.peek().rows.values()];
-      const frames = state.sequence.peek()?.frames ?? 0;
-      const frame = nextUnlabelled(rows, state.frame.peek(), frames, direction);
-      if (frame === null) notify('info', 'All other frames have labels');
-      else {
+    time: {
+      togglePlay: () => (state.playing.peek() ? playback.pause() : playback.play()),
+      play: () => playback.play(),
+      pause: () => playback.pause(),
+      step: (frames) => {
+        const info = state.sequence.peek();
+        if (!info) return;
         playback.pause();
-        playback.seek(frame);
-      }
+        playback.seek(wrapped(state.frame.peek() + frames, info.frames));
+      },
+      seek: (frame) => playback.seek(frame),
+      setSpeed: (speed) => {
+        state.speed.value = Math.min(FASTEST, Math.max(-FASTEST, speed));
+        playback.restart();
+      },
+      toggleLoop: () => {
+        state.loop.value = !state.loop.peek();
+        playback.restart();
+      },
+      nextUnlabelled: (direction) => {
+        const rows = [...state.timeline.peek().rows.values()];
+        const frames = state.sequence.peek()?.frames ?? 0;
+        const frame = nextUnlabelled(rows, state.frame.peek(), frames, direction);
+        if (frame === null) notify('info', 'All other frames have labels');
+        else {
+          playback.pause();
+          playback.seek(frame);
+        }
+      },
+      setIn: () => setEdge('from'),
+      setOut: () => setEdge('to'),
+      nextDoubtful: (direction) => {
+        const found = doubtful(direction);
+        if (!found) {
+          notify('info', 'No doubtful frames');
+          return;
+        }
+        playback.pause();
+        playback.seek(found.frame);
+        actions.view.goToObject(found.label, found.frame);
+      },
     },
-    setIn: () => setEdge('from'),
-    setOut: () => setEdge('to'),
-    nextDoubtful: (direction) => {
-      const found = doubtful(direction);
-      if (!found) {
-        notify('info', 'No doubtful frames');
-        return;
-      }
-      playback.pause();
-      playback.seek(found.frame);
-      actions.goToObject(found.label, found.frame);
-    },
-  } satisfies Partial<Actions>;
+  } satisfies ActionParts;
 }
 
 /** Set one end of the chosen stretch here; the other one stays, or is the recording's. */
@@ -118,10 +120,10 @@ function go(type: 'undo' | 'redo', { frames, summary }: HistoryEntry): void {
   if (frames.length === 0 || frames.includes(here)) return;
   const away = (frame: number): number => Math.abs(frame - here);
   const frame = frames.reduce((best, other) => (away(other) < away(best) ? other : best));
-  actions.pause();
-  actions.seek(frame);
+  actions.time.pause();
+  actions.time.seek(frame);
   const label = labelIn(summary);
-  if (label !== null) actions.goToObject(label, frame);
+  if (label !== null) actions.view.goToObject(label, frame);
   notify('info', `${WORDS[type]} in frame ${frame}`, summary);
 }
 

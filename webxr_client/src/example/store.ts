@@ -68,7 +68,7 @@ async function answer(place: Question, name: string | null): Promise<void> {
   question.value = null;
   const stored = await succeeds('The answer was not stored', async () => {
     const known = name === null ? null : labelOf(name, state.palette.peek())?.id;
-    const label = known === undefined ? await actions.createLabel(name!) : known;
+    const label = known === undefined ? await actions.labels.createLabel(name!) : known;
     await send(place, { class: label });
   });
   if (!stored) {
@@ -222,8 +222,8 @@ function doubtPath(id: string, between: readonly string[]): string {
 }
 
 function goTo(place: Question): void {
-  actions.pause();
-  if (place.sequence !== state.sequence.peek()?.id) actions.openSequence(place.sequence);
+  actions.time.pause();
+  if (place.sequence !== state.sequence.peek()?.id) actions.recordings.openSequence(place.sequence);
   question.value = place;
   showPlace();
 }
@@ -232,7 +232,7 @@ function goTo(place: Question): void {
 export function showPlace(): void {
   const place = question.peek();
   if (!place || place.sequence !== state.sequence.peek()?.id) return;
-  actions.seek(place.frame);
+  actions.time.seek(place.frame);
   marked.value = [...place.centre];
 }
 

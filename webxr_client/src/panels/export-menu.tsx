@@ -37,14 +37,14 @@ export function ExportButton() {
 function ExportMenu() {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
-  useEffect(() => void actions.loadExportFormats(), []);
+  useEffect(() => void actions.recordings.loadExportFormats(), []);
   // An export of only the range contains nothing but the range.
   const stretch = range && !frames ? `${range[0]}:${range[1] + 1}` : '';
   const chosen = validation.value;
   const val = ['none', ':', stretch].includes(chosen) ? chosen : '';
   const start = ({ format, splits }: ExportFormat): void => {
     exportOpen.value = false;
-    void actions.exportSequence(format, frames, splits ? val : '');
+    void actions.recordings.exportSequence(format, frames, splits ? val : '');
   };
   const all = state.sequence.value?.frames ?? 0;
   return (

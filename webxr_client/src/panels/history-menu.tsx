@@ -30,7 +30,7 @@ function HistoryMenu() {
   const { undo, redo } = state;
   // Each edit changes the next undo: reload the history then.
   useEffect(() => {
-    void actions.loadHistory();
+    void actions.history.loadHistory();
   }, [undo.value, redo.value]);
   const edits = state.history.value;
   return (
@@ -59,9 +59,9 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
       data-tip={frame === undefined ? undefined : `Go to frame ${frame}`}
       onClick={() => {
         if (frame === undefined) return;
-        actions.seek(frame);
+        actions.time.seek(frame);
         const label = labelIn(edit.summary);
-        if (label !== null) actions.goToObject(label, frame);
+        if (label !== null) actions.view.goToObject(label, frame);
       }}
     >
       <span class="lines grow">

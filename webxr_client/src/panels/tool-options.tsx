@@ -77,9 +77,14 @@ function FloorOptions() {
         icon="restore"
         label="Reset to import"
         kind="outlined"
-        onClick={() => void actions.resetFloor()}
+        onClick={() => void actions.view.resetFloor()}
       />
-      <Button icon="check" label="Done" kind="outlined" onClick={() => actions.setTool('paint')} />
+      <Button
+        icon="check"
+        label="Done"
+        kind="outlined"
+        onClick={() => actions.tools.setTool('paint')}
+      />
     </>
   );
 }
@@ -103,7 +108,7 @@ function BrushOptions() {
         class="segmented"
         options={SHAPES}
         value={brush.shape}
-        onChoose={(shape) => actions.setShape(shape)}
+        onChoose={(shape) => actions.tools.setShape(shape)}
       />
       {way.name === 'lasso' && <OutlineKinds />}
       {way.name === 'box' && <BoxOptions />}
@@ -117,7 +122,7 @@ function BrushOptions() {
           tip="Size of the brush"
           keys="[ ]"
           shown={metres(brush.radius)}
-          onInput={(radius) => actions.setRadius(radius)}
+          onInput={(radius) => actions.tools.setRadius(radius)}
         />
       )}
       {sparesLabels(state.tool.value) && way.name !== 'object' && (
@@ -238,7 +243,7 @@ function BoxOptions() {
         kind="outlined"
         tip="Move the bottom of the box to just above the ground"
         keys="Shift G"
-        onClick={() => actions.snapBox()}
+        onClick={() => actions.tools.snapBox()}
       />
       <Button
         icon="check"
@@ -246,7 +251,7 @@ function BoxOptions() {
         kind="primary"
         tip="Apply the tool to the points in the box"
         keys="Enter"
-        onClick={() => actions.closeOutline()}
+        onClick={() => actions.tools.closeOutline()}
       />
     </>
   );

@@ -87,7 +87,7 @@ function Tools() {
         class="group tools"
         options={options}
         value={tool}
-        onChoose={(chosen) => actions.setTool(chosen)}
+        onChoose={(chosen) => actions.tools.setTool(chosen)}
       />
       {!roomy.value && <MoreTools />}
     </>
@@ -101,7 +101,7 @@ function MoreTools() {
   return (
     <PopoverButton open={moreOpen} icon="more" tip="More tools" button={{ label: 'More' }} label="More tools">
       {RARE_TOOLS.map(({ value, icon, tip, keys }) => (
-        <MenuItem key={value} icon={icon!} label={tip!} disabled={!canEdit.value} onClick={() => actions.setTool(value)}>
+        <MenuItem key={value} icon={icon!} label={tip!} disabled={!canEdit.value} onClick={() => actions.tools.setTool(value)}>
           <span class="end">{keys}</span>
         </MenuItem>
       ))}
@@ -119,14 +119,14 @@ function History() {
         tip={undo === null ? 'Nothing to undo' : `Undo: ${undo}`}
         keys="Ctrl Z"
         disabled={undo === null}
-        onClick={() => actions.undo()}
+        onClick={() => actions.history.undo()}
       />
       <Button
         icon="redo"
         tip={redo === null ? 'Nothing to redo' : `Redo: ${redo}`}
         keys="Ctrl Shift Z"
         disabled={redo === null}
-        onClick={() => actions.redo()}
+        onClick={() => actions.history.redo()}
       />
       <HistoryButton />
     </div>
@@ -163,7 +163,7 @@ function VrButton() {
         icon="exit"
         label={`Leave ${enters}`}
         kind="outlined"
-        onClick={() => void actions.exitVR()}
+        onClick={() => void actions.page.exitVR()}
       />
     );
   }
@@ -176,7 +176,7 @@ function VrButton() {
         kind="primary"
         tip="Show the recording in the headset"
         disabled={starting}
-        onClick={() => void actions.enterVR()}
+        onClick={() => void actions.page.enterVR()}
       />
       {passthrough && (
         <Button
@@ -184,7 +184,7 @@ function VrButton() {
           kind="outlined"
           tip="Enter with passthrough: the real room stays visible"
           disabled={starting}
-          onClick={() => void actions.enterVR(true)}
+          onClick={() => void actions.page.enterVR(true)}
         />
       )}
     </div>

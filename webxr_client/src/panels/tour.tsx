@@ -97,8 +97,8 @@ function Card({ step, number, count }: CardProps) {
 }
 
 function takeObjects(): void {
-  actions.setTool('paint');
-  actions.setShape('object');
+  actions.tools.setTool('paint');
+  actions.tools.setShape('object');
 }
 
 /** Return the focus to the element that had it before the tour, or else to the picture. */

@@ -3,7 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { decode, encode, unpackU16, unpackU32 } from './codec';
 import type { ClientMessage } from './messages';
 
-const GOLDEN = new URL('../../../tests/golden', import.meta.url);
+const GOLDEN = new URL('../../../tests/golden/', import.meta.url);
 
 interface Entry {
   bytes: string;

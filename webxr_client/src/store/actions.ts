@@ -26,8 +26,8 @@ export type TrackRequest = Readonly<Omit<Track, 'type' | 'id'>>;
 
 export type ViewPreset = 'sensor' | 'top' | 'front' | 'left' | 'right' | 'fit';
 
-export interface Actions {
-  // time
+/** Playing, and the frame on screen. */
+export interface TimeActions {
   togglePlay(): void;
   play(): void;
   pause(): void;
@@ -44,8 +44,10 @@ export interface Actions {
   setOut(): void;
   /** Next (1) or previous (−1) frame with doubtful or lost tracking. */
   nextDoubtful(direction: 1 | -1): void;
+}
 
-  // tools
+/** Tools, the brush, and strokes and outlines in progress. */
+export interface ToolActions {
   setTool(tool: Tool): void;
   setShape(shape: BrushShape): void;
   setRadius(metres: number): void;
@@ -67,14 +69,18 @@ export interface Actions {
   completeObject(): boolean;
   /** Make the next click begin another object. */
   endObject(): void;
-  setView(settings: Partial<ViewSettings>): void;
-  viewFrom(preset: ViewPreset): void;
-  /** Show only points in a box (null), or in a slab across an axis of the view: x, up, depth. */
-  clipTo(slab: 0 | 1 | 2 | null): void;
   /** Put the desk's brush into the middle of the picture. */
   aimAtMiddle(): void;
   /** Use the tool there, as a click does: for hands without a mouse. */
   useInMiddle(): void;
+}
+
+/** The camera, the picture, and the stand of the recording on the floor. */
+export interface ViewActions {
+  setView(settings: Partial<ViewSettings>): void;
+  viewFrom(preset: ViewPreset): void;
+  /** Show only points in a box (null), or in a slab across an axis of the view: x, up, depth. */
+  clipTo(slab: 0 | 1 | 2 | null): void;
   /** Between perspective and an orthographic picture. */
   toggleOrthographic(): void;
   /**
@@ -85,8 +91,14 @@ export interface Actions {
   /** Keep how one looks now, and look so again. */
   keepView(): void;
   goToView(bookmark: Bookmark): void;
+  /** Place the recording on the surface that a ray hits, and on the places chosen just before. */
+  pointAtFloor(sample: PointerSample): Promise<void>;
+  /** Stand the recording as it was imported. */
+  resetFloor(): Promise<void>;
+}
 
-  // labels
+/** The palette, and labels in stretches of frames. */
+export interface LabelActions {
   selectLabel(id: number): void;
   /** The n-th label as the palette lists them, from 1. */
   selectNthLabel(n: number): void;
@@ -119,13 +131,23 @@ export interface Actions {
   savePalette(): Promise<void>;
   /** Show only this label; again, or null: all of them. */
   solo(id: number | null): void;
+  /** Take labels from all of their points in frames. */
+  clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
+  /** Copy labels from the points at the same place in another frame. */
+  copyLabels(labels: readonly number[], source: number, frame: number): Promise<void>;
+  /** Accept labels of a frame as they are. */
+  acceptLabels(labels: readonly number[], frame: number): Promise<void>;
+}
 
-  // edits
+/** Edits, taken back and made again. */
+export interface HistoryActions {
   undo(): void;
   redo(): void;
   loadHistory(): Promise<void>;
+}
 
-  // tracking and other long work
+/** Tracking runs, and frames with doubtful labels. */
+export interface TrackingActions {
   track(request: TrackRequest): void;
   /** Accept this frame: its doubtful labels count as painted. */
   acceptHere(): Promise<void>;
@@ -135,24 +157,14 @@ export interface Actions {
   clearStretch(): Promise<void>;
   /** Track the doubtful frames again, from the sure frame beside them. */
   trackStretch(): void;
-  /** Take labels from all of their points in frames. */
-  clearLabels(labels: readonly number[], from: number, to: number): Promise<void>;
-  /** Copy labels from the points at the same place in another frame. */
-  copyLabels(labels: readonly number[], source: number, frame: number): Promise<void>;
-  /** Accept labels of a frame as they are. */
-  acceptLabels(labels: readonly number[], frame: number): Promise<void>;
   /** Track on from this frame, to where a run that stopped was to go. */
   continueRun(): void;
   /** `keep`: the results so far stay (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;
+}
 
-  // the floor
-  /** Place the recording on the surface that a ray hits, and on the places chosen just before. */
-  pointAtFloor(sample: PointerSample): Promise<void>;
-  /** Stand the recording as it was imported. */
-  resetFloor(): Promise<void>;
-
-  // recordings
+/** Recordings of the workspace: opening, care and export. */
+export interface RecordingActions {
   refreshSequences(): Promise<void>;
   openSequence(id: string): void;
   closeSequence(): void;
@@ -163,6 +175,22 @@ export interface Actions {
   restoreSequence(identity: string): Promise<void>;
   /** Try again to bring in the labels in a recording's own files. */
   importSourceLabels(id: string): Promise<void>;
+  /** Downloads; `frames` like "3:10", empty for all; `val`: frames for validation, or "none";
+   * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one. */
+  loadExportFormats(): Promise<void>;
+  exportSequence(
+    format: string,
+    frames?: string,
+    val?: string,
+    snapshot?: string,
+    id?: string,
+  ): Promise<void>;
+  /** Begin the next task of a project, or continue the user's own task. */
+  nextTask(project: string, work?: 'label' | 'review'): Promise<void>;
+}
+
+/** Imports of recordings and labels, with a preview. */
+export interface ImportActions {
   /** Preview files on the server's machine, or here; `takeImport` imports them. */
   importPath(path: string, options?: ImportOptions): Promise<void>;
   importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
@@ -174,43 +202,68 @@ export interface Actions {
   includePart(included: boolean, number?: number): void;
   takeImport(): Promise<void>;
   leaveImport(): Promise<void>;
-  /** Downloads; `frames` like "3:10", empty for all; `val`: frames for validation, or "none";
-   * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one. */
-  loadExportFormats(): Promise<void>;
-  exportSequence(
-    format: string,
-    frames?: string,
-    val?: string,
-    snapshot?: string,
-    id?: string,
-  ): Promise<void>;
+}
 
-  /** Begin the next task of a project, or continue the user's own task. */
-  nextTask(project: string, work?: 'label' | 'review'): Promise<void>;
-
-  // connection and messages
+/** The connection, messages and the headset. */
+export interface PageActions {
   reconnect(): void;
   dismissNotice(id: number): void;
-
-  // headset
   /** `passthrough`: the real room stays in sight. */
   enterVR(passthrough?: boolean): Promise<void>;
   exitVR(): Promise<void>;
 }
 
-const bound: Partial<Actions> = {};
+/** All actions, by domain. */
+export interface Actions {
+  readonly time: TimeActions;
+  readonly tools: ToolActions;
+  readonly view: ViewActions;
+  readonly labels: LabelActions;
+  readonly history: HistoryActions;
+  readonly tracking: TrackingActions;
+  readonly recordings: RecordingActions;
+  readonly imports: ImportActions;
+  readonly page: PageActions;
+}
+
+/** Implementations of some actions, by domain. */
+export type ActionParts = { readonly [Domain in keyof Actions]?: Partial<Actions[Domain]> };
+
+type Implementations = Record<string, unknown>;
+
+const implemented: Record<keyof Actions, Implementations> = {
+  time: {},
+  tools: {},
+  view: {},
+  labels: {},
+  history: {},
+  tracking: {},
+  recordings: {},
+  imports: {},
+  page: {},
+};
+
+const nothing = (): Promise<void> => Promise.resolve();
+
+function orNothing(domain: Implementations): Implementations {
+  return new Proxy(domain, { get: (target, name: string) => target[name] ?? nothing });
+}
 
 /** Every action; an action without an implementation (yet) does nothing. */
-export const actions: Actions = new Proxy(bound, {
-  get: (target, name) => target[name as keyof Actions] ?? ((): Promise<void> => Promise.resolve()),
-}) as Actions;
+export const actions = Object.fromEntries(
+  Object.entries(implemented).map(([domain, part]) => [domain, orNothing(part)]),
+) as unknown as Actions;
 
 /** Implement some of the actions; the result takes them back. */
-export function bindActions(part: Partial<Actions>): () => void {
-  Object.assign(bound, part);
+export function bindActions(parts: ActionParts): () => void {
+  const given = Object.entries(parts) as [keyof Actions, Implementations][];
+  for (const [domain, part] of given) Object.assign(implemented[domain], part);
   return () => {
-    for (const name of Object.keys(part) as (keyof Actions)[]) {
-      if (bound[name] === part[name]) Reflect.deleteProperty(bound, name);
+    for (const [domain, part] of given) {
+      const held = implemented[domain];
+      for (const name of Object.keys(part)) {
+        if (held[name] === part[name]) Reflect.deleteProperty(held, name);
+      }
     }
   };
 }

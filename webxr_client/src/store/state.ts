@@ -127,7 +127,7 @@ export const state = {
   /** Summaries of the edits that undo and redo would take; null when there is none. */
   undo: signal<string | null>(null),
   redo: signal<string | null>(null),
-  /** Newest first; filled when `actions.loadHistory` was called. */
+  /** Newest first; filled when `actions.history.loadHistory` was called. */
   history: signal<readonly HistoryEntry[]>([]),
   /** Strokes that the server has not answered yet. */
   pending: signal(0),

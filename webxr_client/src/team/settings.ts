@@ -83,7 +83,7 @@ export function save(patch: ProjectPatch): Promise<void> {
     // Later changes are shown already, and the server does not know of them yet.
     if (turn === saves) await refreshProjects();
     if (patch.categories !== undefined) await loadCategories();
-    if (recordings) await actions.refreshSequences();
+    if (recordings) await actions.recordings.refreshSequences();
   });
   return last;
 }

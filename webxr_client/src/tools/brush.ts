@@ -50,7 +50,7 @@ export function brushFor(way: Way, radius: number): Brush | null {
   if (no !== null) notify('info', ...no);
   const brush = brushNow(way, radius);
   // A stroke during playback would paint points that are no longer on screen.
-  if (brush && peek(state.playing)) actions.pause();
+  if (brush && peek(state.playing)) actions.time.pause();
   return brush;
 }
 

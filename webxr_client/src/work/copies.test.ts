@@ -43,7 +43,7 @@ beforeEach(() => {
     calls.push([`${method} ${path}`, body ? JSON.parse(body as string) : undefined]);
     return Promise.resolve(Response.json(path.startsWith('agreement') ? answer : []));
   });
-  bindActions({ seek, openSequence });
+  bindActions({ time: { seek }, recordings: { openSequence } });
   projects.value = [{ id: 'night', role: 'reviewer' } as Project];
   state.sequences.value = [{ id: 'room', project: 'night' } as SequenceSummary];
   state.copies.value = ['room-2', 'room-3'].map((id) => ({ id, project: 'night', copy_of: 'room' }) as SequenceSummary); // prettier-ignore

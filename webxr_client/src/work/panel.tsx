@@ -78,7 +78,7 @@ export function mountWork(): () => void {
   place.setAttribute('aria-label', 'Work');
   document.getElementById('stage')!.after(place);
   render(<WorkPanel />, place);
-  const stops = [followWork(), bindActions({ nextTask: begin })];
+  const stops = [followWork(), bindActions({ recordings: { nextTask: begin } })];
   return () => {
     for (const stop of stops) stop();
     render(null, place);

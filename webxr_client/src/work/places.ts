@@ -24,8 +24,8 @@ const goal = signal<Goal | null>(null);
 /** Go to a place in a frame of the open recording. */
 export function visit(frame: number | null, place: Place | null): void {
   if (frame !== null) {
-    actions.pause();
-    actions.seek(frame);
+    actions.time.pause();
+    actions.time.seek(frame);
   }
   marked.value = place && [...place];
 }
@@ -33,7 +33,7 @@ export function visit(frame: number | null, place: Place | null): void {
 /** Go to a frame of a recording, which is opened first, and fly to the place in it. */
 export function goTo(sequence: string, frame: number, place: Place | null = null): void {
   goal.value = { sequence, frame, place };
-  if (state.sequence.peek()?.id !== sequence) actions.openSequence(sequence);
+  if (state.sequence.peek()?.id !== sequence) actions.recordings.openSequence(sequence);
 }
 
 /** Fly to the goal once its recording has a view: a flight before that would be undone. */

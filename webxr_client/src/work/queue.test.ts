@@ -44,7 +44,10 @@ beforeEach(() => {
       : path === 'projects' ? [night] : tasks.peek(); // prettier-ignore
     return Promise.resolve(Response.json(told));
   });
-  bindActions({ refreshSequences: () => Promise.resolve(), seek, openSequence });
+  bindActions({
+    time: { seek },
+    recordings: { refreshSequences: () => Promise.resolve(), openSequence },
+  });
   projects.value = [night as unknown as Project];
   state.me.value = { author: 'ada', account: 'owner:1' } as Me;
   state.sequences.value = [

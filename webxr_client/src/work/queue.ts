@@ -62,7 +62,7 @@ export const judged = computed(() => {
 
 /** Load the projects and the tasks of this one. */
 export async function loadTasks(): Promise<void> {
-  await Promise.all([actions.refreshSequences(), refreshProjects()]);
+  await Promise.all([actions.recordings.refreshSequences(), refreshProjects()]);
   const of = project.peek();
   await attempt('The tasks did not load', async () => {
     tasks.value = of ? await api<Task[]>('GET', `${projectPath(of.id)}/tasks?limit=10000`) : [];

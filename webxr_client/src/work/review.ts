@@ -110,7 +110,7 @@ export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
 function selectLabelOf({ labels }: Finding): void {
   const [label, ...others] = labels;
   if (label === undefined || others.length > 0 || label === state.activeLabel.peek()) return;
-  actions.selectLabel(label);
+  actions.labels.selectLabel(label);
   notify('info', `Active label: ${namesOf([label])}`, 'The next stroke paints this label.');
 }
 

@@ -19,7 +19,7 @@ const name = signal('');
 export function Versions() {
   const of = project.value?.id;
   useEffect(() => void versions.loadSnapshots(), [of]);
-  useEffect(() => void actions.loadExportFormats(), []);
+  useEffect(() => void actions.recordings.loadExportFormats(), []);
   return (
     <>
       {canManage.value && <Name />}
@@ -76,7 +76,7 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
         value=""
         disabled={!held}
         onChange={({ currentTarget }) => {
-          void actions.exportSequence(currentTarget.value, '', '', snapshot.id);
+          void actions.recordings.exportSequence(currentTarget.value, '', '', snapshot.id);
           currentTarget.value = '';
         }}
       >

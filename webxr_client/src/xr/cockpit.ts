@@ -262,7 +262,7 @@ export class Cockpit {
     );
     if (this.grab.active && !was) this.lessons.done('grab', (other ?? brush)!.device);
     // The sphere keeps its size in the hand.
-    if (grown !== 1) actions.setRadius(peek(state.brush).radius / grown);
+    if (grown !== 1) actions.tools.setRadius(peek(state.brush).radius / grown);
   }
 
   private go(): void {

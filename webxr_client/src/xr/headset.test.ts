@@ -55,11 +55,11 @@ describe('the headset', () => {
     const { session, xr } = browser(['immersive-vr', 'immersive-ar']);
     new Headset(engine());
     await vi.waitFor(() => expect(state.xr.peek().supported).toBe(true));
-    await actions.enterVR();
+    await actions.page.enterVR();
     expect(session.end).toHaveBeenCalledOnce();
     expect(state.xr.peek()).toMatchObject({ session: 'none', detail: 'no layer for this display' });
     expect(state.notices.peek().at(-1)?.title).toBe('The headset session did not start');
-    await actions.enterVR();
+    await actions.page.enterVR();
     expect(xr.requestSession).toHaveBeenCalledTimes(2);
   });
 
@@ -69,7 +69,7 @@ describe('the headset', () => {
     await vi.waitFor(() =>
       expect(state.xr.peek()).toMatchObject({ supported: true, enters: 'AR', passthrough: false }),
     );
-    await actions.enterVR();
+    await actions.page.enterVR();
     expect(xr.requestSession).toHaveBeenCalledWith('immersive-ar', expect.anything());
   });
 

@@ -49,11 +49,13 @@ export class Headset {
 
   constructor(private readonly engine: Engine) {
     bindActions({
-      enterVR: (passthrough) => {
-        const ar = passthrough || state.xr.peek().enters === 'AR';
-        return this.enter(ar ? 'immersive-ar' : 'immersive-vr');
+      page: {
+        enterVR: (passthrough) => {
+          const ar = passthrough || state.xr.peek().enters === 'AR';
+          return this.enter(ar ? 'immersive-ar' : 'immersive-vr');
+        },
+        exitVR: () => this.exit(),
       },
-      exitVR: () => this.exit(),
     });
     const { xr } = navigator;
     if (!xr) {

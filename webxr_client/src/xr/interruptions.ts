@@ -20,7 +20,7 @@ export function followInterruptions(
     if (session.visibilityState === 'visible') return;
     covered();
     // Playback stops while the recording is hidden.
-    if (session.visibilityState === 'hidden' && peek(state.playing)) actions.togglePlay();
+    if (session.visibilityState === 'hidden' && peek(state.playing)) actions.time.togglePlay();
   };
   session.addEventListener('visibilitychange', seen);
   // The headset's own way to recentre moved its space: the next picture has the new poses.

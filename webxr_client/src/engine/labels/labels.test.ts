@@ -64,7 +64,7 @@ describe('the timeline', () => {
 
 describe('a new label', () => {
   it('can be named before the server has answered, and nothing is painted meanwhile', async () => {
-    void labelActions.newLabel();
+    void labelActions.labels.newLabel();
     expect(newLabel.value).toMatchObject({ name: 'label 1', id: 0 });
     expect(asked[0]).toMatchObject({
       method: 'POST',
@@ -82,18 +82,18 @@ describe('a new label', () => {
   });
 
   it('has one row, the one with the field', async () => {
-    void labelActions.newLabel();
+    void labelActions.labels.newLabel();
     const mine = { ...newLabel.value!, id: 2 };
     expect(isNew(newLabel.value, mine)).toBe(true);
     expect(isNew(newLabel.value, pin)).toBe(false);
     await made(2);
     expect(isNew(newLabel.value, { ...mine, name: 'renamed by another' })).toBe(true);
-    void labelActions.newLabel();
+    void labelActions.labels.newLabel();
     expect(asked.length).toBe(1);
   });
 
   it('is gone again when it is given up, and when the server refuses it', async () => {
-    void labelActions.newLabel();
+    void labelActions.labels.newLabel();
     await made(2);
     void finishLabel(null);
     await settled();
@@ -101,7 +101,7 @@ describe('a new label', () => {
     answer(new Response(null, { status: 204 }));
 
     state.activeLabel.value = 1;
-    void labelActions.newLabel();
+    void labelActions.labels.newLabel();
     answer(Response.json({ title: 'No', detail: 'no room' }, { status: 503 }));
     await settled();
     expect([newLabel.value, state.activeLabel.value]).toEqual([null, 1]);

@@ -1,6 +1,6 @@
 /** The palette and the timeline: messages of the server, and requests of the user. */
 import { signal } from '@preact/signals';
-import { type Actions, actions, type LabelPatch } from '../../store/actions';
+import { type ActionParts, actions, type LabelPatch } from '../../store/actions';
 import { api } from '../../net/rest';
 import { suggestColor, suggestName } from '../../common/colors';
 import { labelColours } from '../../store/safe-colours';
@@ -133,41 +133,45 @@ async function history(): Promise<void> {
 }
 
 export const labelActions = {
-  selectLabel: select,
-  selectNthLabel: (n) => {
-    const label = listed.peek()[n - 1];
-    if (label) select(label.id);
+  labels: {
+    selectLabel: select,
+    selectNthLabel: (n) => {
+      const label = listed.peek()[n - 1];
+      if (label) select(label.id);
+    },
+    lastLabel: () => {
+      if (!find(last)) return false;
+      select(last);
+      return true;
+    },
+    createLabel: create,
+    newLabel: () => beginLabel(create),
+    updateLabel: update,
+    renameLabel: (id, name) => update(id, { name }),
+    recolorAll: async () => {
+      const colours = labelColours.peek();
+      const given: string[] = [];
+      for (const { id, color, locked } of listed.peek()) {
+        const next = colours[given.length] ?? suggestColor(given, colours);
+        given.push(next);
+        if (color !== next && !locked) await update(id, { color: next });
+      }
+    },
+    recolorLabel: (id, color) => update(id, { color }),
+    toggleVisible: (id) => update(id, { visible: !find(id)?.visible }),
+    toggleLock: (id) => update(id, { locked: !find(id)?.locked }),
+    deleteLabel: (id) =>
+      attempt('The label was not deleted', async () => {
+        await api('DELETE', `${base()}/labels/${id}`);
+      }),
+    solo: (id) => {
+      state.solo.value = state.solo.peek() === id ? null : id;
+    },
   },
-  lastLabel: () => {
-    if (!find(last)) return false;
-    select(last);
-    return true;
+  history: {
+    loadHistory: () => attempt('The history did not load', history),
   },
-  createLabel: create,
-  newLabel: () => beginLabel(create),
-  updateLabel: update,
-  renameLabel: (id, name) => update(id, { name }),
-  recolorAll: async () => {
-    const colours = labelColours.peek();
-    const given: string[] = [];
-    for (const { id, color, locked } of listed.peek()) {
-      const next = colours[given.length] ?? suggestColor(given, colours);
-      given.push(next);
-      if (color !== next && !locked) await update(id, { color: next });
-    }
-  },
-  recolorLabel: (id, color) => update(id, { color }),
-  toggleVisible: (id) => update(id, { visible: !find(id)?.visible }),
-  toggleLock: (id) => update(id, { locked: !find(id)?.locked }),
-  deleteLabel: (id) =>
-    attempt('The label was not deleted', async () => {
-      await api('DELETE', `${base()}/labels/${id}`);
-    }),
-  solo: (id) => {
-    state.solo.value = state.solo.peek() === id ? null : id;
-  },
-  loadHistory: () => attempt('The history did not load', history),
-} satisfies Partial<Actions>;
+} satisfies ActionParts;
 
 /** A label that the server creates while its name is typed. */
 interface NewLabel {
@@ -208,8 +212,8 @@ export async function finishLabel(name: string | null): Promise<void> {
   newLabel.value = null;
   const id = await made;
   if (id === 0) return;
-  if (name === null) await actions.deleteLabel(id);
-  else if (name !== '' && name !== draft.name) await actions.renameLabel(id, name);
+  if (name === null) await actions.labels.deleteLabel(id);
+  else if (name !== '' && name !== draft.name) await actions.labels.renameLabel(id, name);
 }
 
 /** Whether an entry of the palette is the label that is being named: its row is the field's. */
@@ -251,9 +255,11 @@ function split(id: number): Promise<void> {
 }
 
 export const partActions = {
-  mergeLabel: merge,
-  splitLabel: split,
-} satisfies Partial<Actions>;
+  labels: {
+    mergeLabel: merge,
+    splitLabel: split,
+  },
+} satisfies ActionParts;
 
 /** Actions on labels in a stretch of frames, from the timeline. */
 function frames(frame: number): string {
@@ -261,14 +267,18 @@ function frames(frame: number): string {
 }
 
 export const stripActions = {
-  clearLabels: (labels, from, to) =>
-    attempt('The labels were not cleared', () =>
-      api('POST', `${frames(from)}/clear`, { labels, stop: to }),
-    ),
-  copyLabels: (labels, source, frame) =>
-    attempt('The labels were not copied', () =>
-      api('POST', `${frames(frame)}/copy`, { labels, source }),
-    ),
-  acceptLabels: (labels, frame) =>
-    attempt('The frame was not accepted', () => api('POST', `${frames(frame)}/accept`, { labels })),
-} satisfies Partial<Actions>;
+  labels: {
+    clearLabels: (labels, from, to) =>
+      attempt('The labels were not cleared', () =>
+        api('POST', `${frames(from)}/clear`, { labels, stop: to }),
+      ),
+    copyLabels: (labels, source, frame) =>
+      attempt('The labels were not copied', () =>
+        api('POST', `${frames(frame)}/copy`, { labels, source }),
+      ),
+    acceptLabels: (labels, frame) =>
+      attempt('The frame was not accepted', () =>
+        api('POST', `${frames(frame)}/accept`, { labels }),
+      ),
+  },
+} satisfies ActionParts;

@@ -1,6 +1,6 @@
 /** Palettes from templates and files, and as a file; the order of the palette. */
 import { signal } from '@preact/signals';
-import type { Actions } from '../../store/actions';
+import type { ActionParts } from '../../store/actions';
 import { saveFile } from '../../net/files';
 import { api } from '../../net/rest';
 import { notify, state } from '../../store/state';
@@ -12,7 +12,7 @@ export interface Template {
   readonly labels: number;
 }
 
-/** Palettes of well-known datasets; filled by `actions.loadTemplates`. */
+/** Palettes of well-known datasets; filled by `actions.labels.loadTemplates`. */
 export const templates = signal<readonly Template[]>([]);
 
 interface PaletteFile {
@@ -91,9 +91,11 @@ async function arrange(order: readonly number[]): Promise<void> {
 }
 
 export const paletteActions = {
-  arrangeLabels: arrange,
-  loadTemplates: () => attempt('The templates did not load', loadTemplates),
-  addTemplate: (template) => attempt('The labels were not added', () => add({ template })),
-  pickPalette: pick,
-  savePalette: () => attempt('The palette was not saved', save),
-} satisfies Partial<Actions>;
+  labels: {
+    arrangeLabels: arrange,
+    loadTemplates: () => attempt('The templates did not load', loadTemplates),
+    addTemplate: (template) => attempt('The labels were not added', () => add({ template })),
+    pickPalette: pick,
+    savePalette: () => attempt('The palette was not saved', save),
+  },
+} satisfies ActionParts;

@@ -92,5 +92,5 @@ function waiting(id: string): Job {
 
 export function cancelImport(job: Job): void {
   if (unsent.delete(job.id)) noteJob({ ...job, state: 'cancelled' });
-  else void actions.cancelJob(job.id);
+  else void actions.tracking.cancelJob(job.id);
 }

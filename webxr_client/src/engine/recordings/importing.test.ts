@@ -36,13 +36,15 @@ afterEach(() => {
 
 describe('labels whose files have the names of no frame', () => {
   it('come in by their order once somebody says so, and what went where is told', async () => {
-    await importActions.importFiles([{ file: new File(['x'], 'b.label'), path: 'b.label' }]);
+    await importActions.imports.importFiles([
+      { file: new File(['x'], 'b.label'), path: 'b.label' },
+    ]);
     const draft = state.importing.value!;
     expect(orderCounts(draft)).toBe(true);
     expect(onPage(draft.error)).toBe('expected files of frames, got 1 of no frame: b.label;');
-    await importActions.correctImport({ by_order: true });
+    await importActions.imports.correctImport({ by_order: true });
     expect(state.importing.value).toMatchObject({ error: '', labels: { files: FOUND.files } });
-    await importActions.takeImport();
+    await importActions.imports.takeImport();
     const [path, form] = upload.mock.lastCall as [string, FormData];
     expect([path, form.get('by_order')]).toEqual(['sequences/wall/annotations', 'true']);
     expect(state.notices.value).toMatchObject([

@@ -1,5 +1,5 @@
 /** Import of files: preview, corrections, and the import itself. */
-import type { Actions } from '../../store/actions';
+import type { ActionParts } from '../../store/actions';
 import { count as shown, plural } from '../../common/format';
 import { api, ApiError } from '../../net/rest';
 import {
@@ -184,23 +184,25 @@ async function take(): Promise<void> {
 }
 
 export const importActions = {
-  importPath: (path, options = {}) => begin({ path, options }),
-  importFiles,
-  correctImport: (patch) => {
-    const draft = state.importing.peek();
-    if (!draft) return Promise.resolve();
-    const options = Object.fromEntries(
-      Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
-    );
-    change({ options });
-    return look();
+  imports: {
+    importPath: (path, options = {}) => begin({ path, options }),
+    importFiles,
+    correctImport: (patch) => {
+      const draft = state.importing.peek();
+      if (!draft) return Promise.resolve();
+      const options = Object.fromEntries(
+        Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
+      );
+      change({ options });
+      return look();
+    },
+    retargetImport: (sequence, several = false) => {
+      const files = state.importing.peek()?.files ?? [];
+      change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
+      return look();
+    },
+    includePart: (included, number) => changePart({ included }, number),
+    takeImport: () => attempt('The import did not start', take),
+    leaveImport: leave,
   },
-  retargetImport: (sequence, several = false) => {
-    const files = state.importing.peek()?.files ?? [];
-    change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
-    return look();
-  },
-  includePart: (included, number) => changePart({ included }, number),
-  takeImport: () => attempt('The import did not start', take),
-  leaveImport: leave,
-} satisfies Partial<Actions>;
+} satisfies ActionParts;

@@ -58,6 +58,6 @@ test('a recording that is moved stands in its new project at once', async () => 
 test('an import joins the project that was chosen', async () => {
   answering({ upload: null });
   importInto.value = 'night';
-  await importActions.importPath('/data/a');
+  await importActions.imports.importPath('/data/a');
   expect(JSON.parse(calls[0]![2])).toEqual({ path: '/data/a', project: 'night' });
 });

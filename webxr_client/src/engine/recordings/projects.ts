@@ -136,7 +136,10 @@ export async function createProject(
     made = (await api<Project>('POST', 'projects', { name, recordings })).id;
     importInto.value = made;
   });
-  await Promise.all([refreshProjects(), recordings.length > 0 && actions.refreshSequences()]);
+  await Promise.all([
+    refreshProjects(),
+    recordings.length > 0 && actions.recordings.refreshSequences(),
+  ]);
   return made;
 }
 

@@ -25,7 +25,7 @@ afterEach(() => {
 describe('an export', () => {
   it('says that there is no server instead of that it started', async () => {
     answer(() => Promise.reject(new TypeError('Failed to fetch')));
-    await recordingActions.exportSequence('ply');
+    await recordingActions.recordings.exportSequence('ply');
     expect(click).not.toHaveBeenCalled();
     expect(state.notices.value).toMatchObject([
       { kind: 'error', title: 'The export did not start', detail: 'The server did not answer.' },
@@ -34,7 +34,7 @@ describe('an export', () => {
 
   it('starts where the server has the recording', async () => {
     answer(() => Promise.resolve(Response.json({ id: 'wall' })));
-    await recordingActions.exportSequence('ply');
+    await recordingActions.recordings.exportSequence('ply');
     expect(click).toHaveBeenCalledOnce();
     expect(state.notices.value).toMatchObject([{ kind: 'success' }]);
   });
@@ -43,7 +43,7 @@ describe('an export', () => {
     const link = { click, href: '' };
     answer(() => Promise.resolve(Response.json({ id: 'wall' })));
     vi.stubGlobal('document', { baseURI: 'http://host/', createElement: () => link });
-    await recordingActions.exportSequence('openpcdet', '', '3:5');
+    await recordingActions.recordings.exportSequence('openpcdet', '', '3:5');
     expect(link.href).toMatch(/\/export\?format=openpcdet&val=3%3A5$/);
   });
 });
@@ -57,7 +57,7 @@ describe('a recording that is deleted here', () => {
 
   beforeEach(() => {
     asked.length = 0;
-    bindActions({ closeSequence, openSequence: opened });
+    bindActions({ recordings: { closeSequence, openSequence: opened } });
     vi.stubGlobal('document', { baseURI: 'http://host/' });
     vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
       asked.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
@@ -71,7 +71,7 @@ describe('a recording that is deleted here', () => {
   });
 
   it('is told once, and comes back as it was by Undo', async () => {
-    await recordingActions.deleteSequence('wall');
+    await recordingActions.recordings.deleteSequence('wall');
     const closed = {
       type: 'error',
       title: '',
@@ -104,7 +104,7 @@ describe('a recording whose labels did not come in', () => {
           : Response.json([row]),
       );
     });
-    await recordingActions.importSourceLabels('wall');
+    await recordingActions.recordings.importSourceLabels('wall');
     expect(asked).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
     expect(state.sequences.value).toMatchObject([{ labels_missing: 'the disk is full' }]);
     expect(state.notices.value).toMatchObject([

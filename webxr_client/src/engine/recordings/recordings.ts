@@ -1,5 +1,5 @@
 /** Recordings: the list, export, change, delete. */
-import { actions, type Actions } from '../../store/actions';
+import { actions, type ActionParts } from '../../store/actions';
 import { exportFormats, rememberExport, type ExportFormat } from './export-formats';
 import { noteImport } from './imports';
 import { listSequences } from '../../net/early';
@@ -53,7 +53,7 @@ let soon: ReturnType<typeof setTimeout> | null = null;
 export function refreshSoon(): void {
   soon ??= setTimeout(() => {
     soon = null;
-    void actions.refreshSequences();
+    void actions.recordings.refreshSequences();
   }, SOON_MS);
 }
 
@@ -152,7 +152,7 @@ async function remove(id: string): Promise<void> {
   }
   const wasOpen = state.sequence.peek()?.id === id;
   leaveOut(id);
-  if (wasOpen) actions.closeSequence();
+  if (wasOpen) actions.recordings.closeSequence();
   const run = (): void => void attempt('The recording was not restored', () => bring(id, wasOpen));
   notify('info', `Deleted ${name}`, 'It can be restored for 30 days.', { label: 'Undo', run });
   await refreshSequences();
@@ -166,37 +166,41 @@ async function bring(key: string, open = false): Promise<void> {
   notify('success', 'Restored', restored.name);
   await refreshSequences();
   await refreshDeleted();
-  if (open && !state.sequence.peek()) actions.openSequence(restored.id);
+  if (open && !state.sequence.peek()) actions.recordings.openSequence(restored.id);
 }
 
 export const recordingActions = {
-  refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
-  renameSequence: (id, name) =>
-    attempt('The recording was not renamed', async () => {
-      await api('PATCH', sequencePath(id), { name });
-      const info = state.sequence.peek();
-      if (info?.id === id) state.sequence.value = { ...info, name };
-      await refreshSequences();
-    }),
-  deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
-  refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
-  restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
-  importSourceLabels: (id) =>
-    attempt('The labels were not imported', async () => {
-      try {
-        await api('POST', `${sequencePath(id)}/source-labels`);
-      } finally {
+  recordings: {
+    refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
+    renameSequence: (id, name) =>
+      attempt('The recording was not renamed', async () => {
+        await api('PATCH', sequencePath(id), { name });
+        const info = state.sequence.peek();
+        if (info?.id === id) state.sequence.value = { ...info, name };
         await refreshSequences();
-      }
-    }),
-  loadExportFormats: () =>
-    attempt('The export formats did not load', async () => {
-      exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
-    }),
-  exportSequence: (...what) => attempt('The export did not start', () => exportSequence(...what)),
-  cancelJob: (id, keep = false) =>
-    attempt('The job could not be stopped', async () => {
-      const query = keep ? '?keep=true' : '';
-      noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
-    }),
-} satisfies Partial<Actions>;
+      }),
+    deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
+    refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
+    restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
+    importSourceLabels: (id) =>
+      attempt('The labels were not imported', async () => {
+        try {
+          await api('POST', `${sequencePath(id)}/source-labels`);
+        } finally {
+          await refreshSequences();
+        }
+      }),
+    loadExportFormats: () =>
+      attempt('The export formats did not load', async () => {
+        exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
+      }),
+    exportSequence: (...what) => attempt('The export did not start', () => exportSequence(...what)),
+  },
+  tracking: {
+    cancelJob: (id, keep = false) =>
+      attempt('The job could not be stopped', async () => {
+        const query = keep ? '?keep=true' : '';
+        noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
+      }),
+  },
+} satisfies ActionParts;

@@ -6,7 +6,7 @@ import { finishChunk } from './density';
 import { BufferPool } from './pool';
 import { spacingOf, type Segment } from './segment';
 
-const GOLDEN = new URL('../../../../tests/golden', import.meta.url);
+const GOLDEN = new URL('../../../../tests/golden/', import.meta.url);
 const data = new Uint8Array(readFileSync(new URL('frame_small.bin', GOLDEN)));
 const golden = JSON.parse(readFileSync(new URL('frame_small.json', GOLDEN), 'utf8')) as {
   count: number;

@@ -8,7 +8,7 @@ import { unproject } from './grid';
 import { bandsOf, pointsOf } from './lattice';
 import type { Picture } from './pictures';
 
-const GOLDEN = new URL('../../../../tests/golden', import.meta.url);
+const GOLDEN = new URL('../../../../tests/golden/', import.meta.url);
 
 interface Golden {
   lattice: Lattice;

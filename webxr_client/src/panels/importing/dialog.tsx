@@ -30,7 +30,7 @@ export function ImportDialog() {
   if (!draft) return null;
   const submit = (event: Event): void => {
     event.preventDefault();
-    void actions.takeImport();
+    void actions.imports.takeImport();
   };
   const { title, button } = wordsOf(draft);
   return (
@@ -40,7 +40,7 @@ export function ImportDialog() {
       aria-label="Import"
       onCancel={(event) => {
         event.preventDefault();
-        void actions.leaveImport();
+        void actions.imports.leaveImport();
       }}
     >
       <form onSubmit={submit}>
@@ -52,7 +52,7 @@ export function ImportDialog() {
           <Content draft={draft} />
         </div>
         <footer class="line">
-          <Button label="Cancel" onClick={() => void actions.leaveImport()} />
+          <Button label="Cancel" onClick={() => void actions.imports.leaveImport()} />
           <Button submit label={button} kind="primary" disabled={!isReady(draft)} />
         </footer>
       </form>
@@ -102,7 +102,7 @@ function Target({ draft: { files, sequence, parts, decided } }: { draft: ImportD
   const several = files ? (parts ?? partsOfFiles(files)).length : 0;
   if (!files || (!open && several < 2)) return null;
   const choose = (target: string | null, each = false): void =>
-    void actions.retargetImport(target, each);
+    void actions.imports.retargetImport(target, each);
   return (
     <div class="segmented" role="group" aria-label="Content of the files">
       <Button
@@ -130,7 +130,7 @@ function Target({ draft: { files, sequence, parts, decided } }: { draft: ImportD
 }
 
 function correct(patch: Partial<Record<keyof ImportOptions, unknown>>): void {
-  void actions.correctImport(patch);
+  void actions.imports.correctImport(patch);
 }
 
 function Recording({ draft }: { draft: ImportDraft }) {

@@ -22,7 +22,7 @@ export function pickFiles(folder = false): void {
 function importAll(files: readonly ChosenFile[]): void {
   // Hidden files of systems, such as .DS_Store, belong to no recording.
   const shown = files.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
-  if (shown.length > 0) void actions.importFiles(shown);
+  if (shown.length > 0) void actions.imports.importFiles(shown);
 }
 
 /** Let files be dropped anywhere on the page; the result stops it. */

@@ -38,7 +38,7 @@ export function ImportBox({ onBegin }: { onBegin?: () => void }) {
     if (!path.trim()) return;
     onBegin?.();
     if (each) void importEach(path.trim());
-    else void actions.importPath(path.trim());
+    else void actions.imports.importPath(path.trim());
   };
   return (
     <section class="import-box stack" aria-label="Import">

@@ -58,7 +58,7 @@ export function NextWork({ of, small = false }: { of: readonly Project[]; small?
           tip={`Review a task of ${review.name}`}
           kind={small || label ? 'outlined' : 'primary'}
           small={small}
-          onClick={() => void actions.nextTask(review.id, 'review')}
+          onClick={() => void actions.recordings.nextTask(review.id, 'review')}
         />
       )}
       {label && (
@@ -67,7 +67,7 @@ export function NextWork({ of, small = false }: { of: readonly Project[]; small?
           tip={`Label your next task of ${label.name}`}
           kind={small ? 'outlined' : 'primary'}
           small={small}
-          onClick={() => void actions.nextTask(label.id)}
+          onClick={() => void actions.recordings.nextTask(label.id)}
         />
       )}
     </>

@@ -20,7 +20,7 @@ export function Row({ row }: { row: SequenceSummary }) {
         type="button"
         class="recording grow small"
         disabled={!sound}
-        onClick={() => actions.openSequence(row.id)}
+        onClick={() => actions.recordings.openSequence(row.id)}
       >
         {sound && row.frames > 0 ? (
           <img src={`${apiUrl(path)}?of=${row.identity ?? ''}`} alt="" loading="lazy" />
@@ -38,7 +38,7 @@ export function Row({ row }: { row: SequenceSummary }) {
             label="Try again"
             tip={`Import the labels in the files of ${row.name}`}
             small
-            onClick={() => void actions.importSourceLabels(row.id)}
+            onClick={() => void actions.recordings.importSourceLabels(row.id)}
           />
         )}
         <MoveTo row={row} />
@@ -125,7 +125,7 @@ export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
         small
         onClick={() => {
           onDelete?.();
-          void actions.deleteSequence(row.id);
+          void actions.recordings.deleteSequence(row.id);
         }}
       />
     </>
@@ -159,7 +159,7 @@ export function RecordingName({ row }: { row: SequenceSummary }) {
       maxLength={200}
       onFinish={(name) => {
         renamingRecording.value = null;
-        if (name && name !== row.name) void actions.renameSequence(row.id, name);
+        if (name && name !== row.name) void actions.recordings.renameSequence(row.id, name);
       }}
     />
   );

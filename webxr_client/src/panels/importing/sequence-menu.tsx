@@ -19,7 +19,7 @@ export function SequenceMenu() {
   const anchor = useRef<HTMLButtonElement>(null);
   const toggle = useCallback(() => {
     open.value = !open.value;
-    if (open.value) void actions.refreshSequences();
+    if (open.value) void actions.recordings.refreshSequences();
   }, []);
   const sequence = state.sequence.value;
   return (
@@ -52,9 +52,13 @@ export function SequenceMenu() {
             icon="plane"
             label="Set the floor…"
             disabled={!sequence || !canEdit.value}
-            onClick={() => actions.setTool('floor')}
+            onClick={() => actions.tools.setTool('floor')}
           />
-          <MenuItem icon="folder" label="All recordings" onClick={() => actions.closeSequence()} />
+          <MenuItem
+            icon="folder"
+            label="All recordings"
+            onClick={() => actions.recordings.closeSequence()}
+          />
         </Popover>
       )}
     </>
@@ -100,7 +104,7 @@ function SequenceRow({ row }: { row: SequenceSummary }) {
         aria-current={current}
         onClick={() => {
           close();
-          if (!current) actions.openSequence(row.id);
+          if (!current) actions.recordings.openSequence(row.id);
         }}
       >
         <Icon name={current ? 'check' : 'points'} />

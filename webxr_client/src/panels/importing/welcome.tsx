@@ -105,7 +105,7 @@ function Away({ detail }: { detail: string }) {
       <Icon name="offline" />
       <h1>The server does not answer</h1>
       <p>{detail || 'The server may be stopped, or the network is down.'}</p>
-      <Button label="Try again" kind="primary" onClick={() => actions.reconnect()} />
+      <Button label="Try again" kind="primary" onClick={() => actions.page.reconnect()} />
     </div>
   );
 }
@@ -126,7 +126,7 @@ function Empty() {
 function Deleted() {
   const open = useSignal(false);
   const { value: deleted } = state.deleted;
-  useEffect(() => void actions.refreshDeleted(), []);
+  useEffect(() => void actions.recordings.refreshDeleted(), []);
   if (deleted.length === 0) return null;
   return (
     <PopoverButton
@@ -149,7 +149,7 @@ function Deleted() {
               kind="outlined"
               small
               disabled={!canManage.value}
-              onClick={() => void actions.restoreSequence(row.identity)}
+              onClick={() => void actions.recordings.restoreSequence(row.identity)}
             />
           </li>
         ))}

@@ -24,7 +24,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
   const [here, all] = lossOf(label.id);
   const remove = (): void => {
     onClose();
-    void actions.deleteLabel(label.id);
+    void actions.labels.deleteLabel(label.id);
   };
   return (
     <Popover anchor={anchor} label={label.name} onClose={onClose}>
@@ -65,20 +65,20 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
             label={label.locked ? 'Unlock' : 'Lock'}
             disabled={!canEdit.value}
             stays
-            onClick={() => void actions.toggleLock(label.id)}
+            onClick={() => void actions.labels.toggleLock(label.id)}
           />
           <MenuItem
             icon={label.visible ? 'hidden' : 'eye'}
             label={label.visible ? 'Hide' : 'Show'}
             disabled={!canEdit.value}
             stays
-            onClick={() => void actions.toggleVisible(label.id)}
+            onClick={() => void actions.labels.toggleVisible(label.id)}
           />
           <MenuItem
             icon="solo"
             label={state.solo.value === label.id ? 'Show all' : 'Show only this'}
             stays
-            onClick={() => actions.solo(state.solo.peek() === label.id ? null : label.id)}
+            onClick={() => actions.labels.solo(state.solo.peek() === label.id ? null : label.id)}
           />
           <MenuItem
             icon="trash"
@@ -115,7 +115,7 @@ function SelectedCategory({ label }: { label: Label }) {
       value={label.category}
       choices={choices.map((category) => [category, category || 'none'] as const)}
       disabled={!canEdit.value}
-      onChange={(category) => void actions.updateLabel(label.id, { category })}
+      onChange={(category) => void actions.labels.updateLabel(label.id, { category })}
     />
   );
 }
@@ -132,7 +132,7 @@ function AnyCategory({ label }: { label: Label }) {
         disabled={!canEdit.value}
         onKeyDown={(event) => event.key !== 'Escape' && event.stopPropagation()}
         onChange={(event) => {
-          void actions.updateLabel(label.id, { category: event.currentTarget.value.trim() });
+          void actions.labels.updateLabel(label.id, { category: event.currentTarget.value.trim() });
         }}
       />
       <datalist id="categories">
@@ -161,7 +161,7 @@ function LabelParts({ label, onClose }: LabelPartsProps) {
         label="Split into parts"
         tip="Each separate part in this frame gets its own label"
         disabled={!may || here === 0}
-        onClick={() => void actions.splitLabel(label.id)}
+        onClick={() => void actions.labels.splitLabel(label.id)}
       />
       <label class="menu-item">
         <Icon name="merge" />
@@ -172,7 +172,7 @@ function LabelParts({ label, onClose }: LabelPartsProps) {
           disabled={!may || others.length === 0}
           onChange={(id) => {
             onClose();
-            void actions.mergeLabel(label.id, Number(id));
+            void actions.labels.mergeLabel(label.id, Number(id));
           }}
         />
       </label>

@@ -24,7 +24,7 @@ export function LabelRow({ label, number }: { label: Label; number: number }) {
   const dimmed = !label.visible || (state.solo.value !== null && !solo);
   const editing = renaming.value === label.id;
   const key = keyOf(number);
-  const choose = (): void => actions.selectLabel(label.id);
+  const choose = (): void => actions.labels.selectLabel(label.id);
   return (
     <div
       class={`label-row${dimmed ? ' dimmed' : ''}`}
@@ -111,19 +111,19 @@ function Toggles({ label, solo }: SoloProps) {
         icon={label.locked ? 'lock' : 'unlock'}
         tip={label.locked ? 'Unlock' : 'Lock: its points cannot be changed'}
         disabled={!canEdit.value}
-        onClick={() => void actions.toggleLock(label.id)}
+        onClick={() => void actions.labels.toggleLock(label.id)}
       />
       <Toggle
         on={!label.visible}
         icon={label.visible ? 'eye' : 'hidden'}
         tip={label.visible ? 'Hide' : 'Show'}
-        onClick={() => void actions.toggleVisible(label.id)}
+        onClick={() => void actions.labels.toggleVisible(label.id)}
       />
       <Toggle
         on={solo}
         icon="solo"
         tip={solo ? 'Show all labels' : 'Show only this label'}
-        onClick={() => actions.solo(solo ? null : label.id)}
+        onClick={() => actions.labels.solo(solo ? null : label.id)}
       />
     </>
   );
@@ -138,7 +138,7 @@ function dropOf(id: number): string | undefined {
 
 function rename(label: Label, name: string | null): void {
   renaming.value = null;
-  if (name && name !== label.name) void actions.renameLabel(label.id, name);
+  if (name && name !== label.name) void actions.labels.renameLabel(label.id, name);
 }
 
 function ColorButton({ label }: { label: Label }) {
@@ -214,7 +214,7 @@ function ColorPicker({ label, anchor, onClose }: ColorPickerProps) {
   );
   const choose = (color: string): void => {
     onClose();
-    if (color !== label.color) void actions.recolorLabel(label.id, color);
+    if (color !== label.color) void actions.labels.recolorLabel(label.id, color);
   };
   return (
     <Popover anchor={anchor} label={`Colour of ${label.name}`} onClose={onClose}>

@@ -30,7 +30,7 @@ export function onRowKey(event: KeyboardEvent, id: number): void {
   const row = event.currentTarget as HTMLElement;
   if (event.target instanceof HTMLInputElement) return;
   const inside = event.target !== row;
-  if (event.key === 'Enter' && !inside) actions.selectLabel(id);
+  if (event.key === 'Enter' && !inside) actions.labels.selectLabel(id);
   else if (event.key === 'F2' && canEdit.peek()) renaming.value = id;
   else if (event.key === 'Escape' && inside) row.focus();
   else if (!goToRow(event, row) && !goIntoRow(event, row)) return;
@@ -138,5 +138,5 @@ function place(id: number, before: number | null): void {
   const behind = last === undefined ? null : (ids[ids.indexOf(last) + 1] ?? null);
   const order = reordered(ids, id, before ?? behind);
   const now = state.palette.peek().map((label) => label.id);
-  if (order.some((one, i) => one !== now[i])) void actions.arrangeLabels(order);
+  if (order.some((one, i) => one !== now[i])) void actions.labels.arrangeLabels(order);
 }

@@ -27,7 +27,7 @@ const NAMES: Readonly<Record<string, string>> = {
 };
 
 function Menu() {
-  useEffect(() => void actions.loadTemplates(), []);
+  useEffect(() => void actions.labels.loadTemplates(), []);
   const cannot = !canEdit.value;
   return (
     <>
@@ -38,7 +38,7 @@ function Menu() {
           icon="layers"
           label={NAMES[name] ?? name}
           disabled={cannot}
-          onClick={() => void actions.addTemplate(name)}
+          onClick={() => void actions.labels.addTemplate(name)}
         >
           <span class="end number">{plural(labels, 'label')}</span>
         </MenuItem>
@@ -47,7 +47,7 @@ function Menu() {
         icon="import"
         label="A palette file…"
         disabled={cannot}
-        onClick={() => actions.pickPalette()}
+        onClick={() => actions.labels.pickPalette()}
       />
       <hr />
       <Check
@@ -60,14 +60,14 @@ function Menu() {
         icon="swap"
         label="Apply these colours to all labels"
         disabled={cannot || state.palette.value.length === 0}
-        onClick={() => void actions.recolorAll()}
+        onClick={() => void actions.labels.recolorAll()}
       />
       <hr />
       <MenuItem
         icon="export"
         label="Save the palette as a file"
         disabled={state.palette.value.length === 0}
-        onClick={() => void actions.savePalette()}
+        onClick={() => void actions.labels.savePalette()}
       />
     </>
   );

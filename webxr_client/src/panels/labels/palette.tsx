@@ -34,7 +34,7 @@ export function Palette() {
           keys="N"
           small
           disabled={!canEdit.value}
-          onClick={() => void actions.newLabel()}
+          onClick={() => void actions.labels.newLabel()}
         />
         <Button
           icon="close"
@@ -129,7 +129,7 @@ function NoLabels() {
           label="First label"
           kind="primary"
           disabled={!canEdit.value}
-          onClick={() => void actions.newLabel()}
+          onClick={() => void actions.labels.newLabel()}
         />
       </div>
     </div>
@@ -160,7 +160,7 @@ function Unlabeled() {
         tip={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
         small
         pressed={hideUnlabeled}
-        onClick={() => actions.setView({ hideUnlabeled: !hideUnlabeled })}
+        onClick={() => actions.view.setView({ hideUnlabeled: !hideUnlabeled })}
       />
     </div>
   );
@@ -222,7 +222,7 @@ function onKey(event: KeyboardEvent): void {
   event.preventDefault();
   event.stopPropagation();
   const first = shownGroups.peek()[0]?.labels[0];
-  if (event.key === 'Enter' && first) actions.selectLabel(first.id);
+  if (event.key === 'Enter' && first) actions.labels.selectLabel(first.id);
   search.value = '';
   (event.currentTarget as HTMLElement).blur();
 }

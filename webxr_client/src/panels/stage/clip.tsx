@@ -29,7 +29,7 @@ function kindNow(): Kind {
 
 function choose(kind: Kind): void {
   if (kind === 'all') clip.value = null;
-  else actions.clipTo(kind === 'box' ? null : SLABS[kind]);
+  else actions.view.clipTo(kind === 'box' ? null : SLABS[kind]);
 }
 
 /** In the tool bar's second row. */

@@ -117,7 +117,7 @@ function ImportRow({ job }: { job: Job }) {
           tip={`Open ${name}`}
           kind="outlined"
           small
-          onClick={() => actions.openSequence(sequence)}
+          onClick={() => actions.recordings.openSequence(sequence)}
         />
       )}
     </li>

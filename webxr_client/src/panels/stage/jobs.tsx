@@ -85,13 +85,13 @@ function Running({ job, about }: { job: Job; about: string }) {
             <Button
               label="Stop and keep"
               tip="Keep the frames tracked so far"
-              onClick={() => void actions.cancelJob(job.id, true)}
+              onClick={() => void actions.tracking.cancelJob(job.id, true)}
             />
           )}
           <Button
             label="Cancel"
             tip={tracking ? 'Stop and discard the tracked labels' : 'Stop and discard the result'}
-            onClick={() => void actions.cancelJob(job.id)}
+            onClick={() => void actions.tracking.cancelJob(job.id)}
           />
         </div>
       )}

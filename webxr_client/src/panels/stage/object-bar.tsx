@@ -39,17 +39,17 @@ function Hint({ object }: { object: ObjectView | null }) {
 function Offer({ object: { level, levels, points, taken, completes } }: { object: ObjectView }) {
   return (
     <>
-      <Button icon="minus" tip="Towards the part" keys="−" disabled={level === 0} onClick={() => void actions.stepObject(-1)} />
+      <Button icon="minus" tip="Towards the part" keys="−" disabled={level === 0} onClick={() => void actions.tools.stepObject(-1)} />
       <Steps level={level} levels={levels} />
-      <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.stepObject(1)} />
+      <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.tools.stepObject(1)} />
       <span class="number">{plural(points, 'point')}</span>
       {completes && (
-        <Button label="Complete to object" kind="outlined" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.completeObject()} />
+        <Button label="Complete to object" kind="outlined" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.tools.completeObject()} />
       )}
-      {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.endObject()} />}
+      {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.tools.endObject()} />}
       {taken && <span class="soft">Click adds · Alt-click removes</span>}
       {taken && <TrackOn />}
-      {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.endObject()} />}
+      {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.tools.endObject()} />}
       {!taken && !completes && <span class="soft">Wheel: part to group · click takes it</span>}
     </>
   ); // prettier-ignore
@@ -67,7 +67,7 @@ function TrackOn() {
       kind="outlined"
       tip="Track the label from this frame to the last"
       disabled={points === 0 || trackingJob.value !== null}
-      onClick={() => actions.continueRun()}
+      onClick={() => actions.tracking.continueRun()}
     />
   );
 }

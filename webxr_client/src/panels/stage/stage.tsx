@@ -146,7 +146,7 @@ function Retry({ at }: { at: number | null }) {
   return (
     <>
       {seconds > 0 && <span class="number soft">Next attempt in {seconds} s</span>}
-      <Button label="Try now" kind="outlined" onClick={() => actions.reconnect()} />
+      <Button label="Try now" kind="outlined" onClick={() => actions.page.reconnect()} />
     </>
   );
 }
@@ -217,7 +217,7 @@ function InHeadset() {
     <div class="center in-headset" role="status">
       <Icon name="headset" />
       <p>The recording is in the headset.</p>
-      <Button label="Leave VR" kind="outlined" onClick={() => void actions.exitVR()} />
+      <Button label="Leave VR" kind="outlined" onClick={() => void actions.page.exitVR()} />
     </div>
   );
 }

@@ -26,7 +26,7 @@ export function Toasts() {
             icon="close"
             tip="Dismiss"
             small
-            onClick={() => actions.dismissNotice(notice.id)}
+            onClick={() => actions.page.dismissNotice(notice.id)}
           />
         </li>
       ))}
@@ -36,7 +36,7 @@ export function Toasts() {
 
 function Action({ notice, action }: { notice: Notice; action: NonNullable<Notice['action']> }) {
   const take = (): void => {
-    actions.dismissNotice(notice.id);
+    actions.page.dismissNotice(notice.id);
     action.run();
   };
   return <Button label={action.label} kind="outlined" small onClick={take} />;

@@ -37,7 +37,7 @@ export function ViewOptions() {
         tip="Colour points by"
         value={colorModeOf(view.color, fields)}
         choices={COLOR_MODES.filter(([, , field]) => !field || fields.includes(field))}
-        onChange={(color) => actions.setView({ color })}
+        onChange={(color) => actions.view.setView({ color })}
       />
       <RampButton />
       <ViewSliders class="of-view" />
@@ -63,7 +63,7 @@ function ViewSliders({ class: extra }: { class?: string }) {
         max={1}
         tip="Blend from source colours to label colours"
         shown={`${Math.round(view.labelBlend * 100)} %`}
-        onInput={(labelBlend) => actions.setView({ labelBlend })}
+        onInput={(labelBlend) => actions.view.setView({ labelBlend })}
       />
       <Slider
         label="Point size"
@@ -75,7 +75,7 @@ function ViewSliders({ class: extra }: { class?: string }) {
         logarithmic
         tip="Point size"
         shown={`${view.pointSize.toFixed(1)}×`}
-        onInput={(pointSize) => actions.setView({ pointSize })}
+        onInput={(pointSize) => actions.view.setView({ pointSize })}
       />
     </>
   );
@@ -96,7 +96,7 @@ function SurfaceOptions() {
       class="segmented"
       options={SURFACES}
       value={state.view.value.surface}
-      onChoose={(surface) => actions.setView({ surface })}
+      onChoose={(surface) => actions.view.setView({ surface })}
     />
   );
 }
@@ -139,7 +139,7 @@ function OverlayOptions() {
           label={label}
           tip={tip}
           checked={view[name]}
-          onChange={(on) => actions.setView({ [name]: on })}
+          onChange={(on) => actions.view.setView({ [name]: on })}
         />
       ))}
     </PopoverButton>
@@ -221,7 +221,7 @@ function RampOptions() {
         class="segmented"
         options={RAMPS}
         value={ramp}
-        onChoose={(name) => actions.setView({ ramp: name })}
+        onChoose={(name) => actions.view.setView({ ramp: name })}
       />
       <Slider
         label="From"
@@ -230,7 +230,7 @@ function RampOptions() {
         max={1}
         tip="Values below have the ramp's first colour"
         shown={percent(rampLow)}
-        onInput={(low) => actions.setView({ rampLow: Math.min(low, rampHigh - LEAST) })}
+        onInput={(low) => actions.view.setView({ rampLow: Math.min(low, rampHigh - LEAST) })}
       />
       <Slider
         label="To"
@@ -239,7 +239,7 @@ function RampOptions() {
         max={1}
         tip="Values above have the ramp's last colour"
         shown={percent(rampHigh)}
-        onInput={(high) => actions.setView({ rampHigh: Math.max(high, rampLow + LEAST) })}
+        onInput={(high) => actions.view.setView({ rampHigh: Math.max(high, rampLow + LEAST) })}
       />
     </>
   );

@@ -27,7 +27,7 @@ export function Views() {
           label={name}
           tip={tip}
           keys={keys || undefined}
-          onClick={() => actions.viewFrom(preset)}
+          onClick={() => actions.view.viewFrom(preset)}
         />
       ))}
       <span class="divider" />
@@ -36,13 +36,13 @@ export function Views() {
         tip="Orthographic: parallel lines stay parallel"
         keys="P"
         pressed={orthographic.value}
-        onClick={() => actions.toggleOrthographic()}
+        onClick={() => actions.view.toggleOrthographic()}
       />
       <Button
         icon="target"
         tip="Go to the active label’s object"
         keys="F"
-        onClick={() => actions.goToObject()}
+        onClick={() => actions.view.goToObject()}
       />
       <Button
         icon="track"
@@ -77,7 +77,7 @@ function Bookmarks() {
         icon="plus"
         label="Save this view"
         kind="outlined"
-        onClick={() => actions.keepView()}
+        onClick={() => actions.view.keepView()}
       />
     </>
   );
@@ -86,7 +86,7 @@ function Bookmarks() {
 function Row({ one, index }: { one: Bookmark; index: number }) {
   return (
     <div class="line">
-      <Button icon="target" tip={`Go to ${one.name}`} onClick={() => actions.goToView(one)} />
+      <Button icon="target" tip={`Go to ${one.name}`} onClick={() => actions.view.goToView(one)} />
       <input
         class="field grow"
         aria-label="Name of the view"

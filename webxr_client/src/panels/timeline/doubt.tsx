@@ -20,7 +20,7 @@ export function Doubt() {
           keys="Shift Y"
           kind="outlined"
           small
-          onClick={() => void actions.acceptHere()}
+          onClick={() => void actions.tracking.acceptHere()}
         />
       )}
       {found && <OfStretch found={found} />}
@@ -40,7 +40,7 @@ function Continue({ doubtful }: { doubtful: boolean }) {
       tip="Track on from this frame"
       kind="outlined"
       small
-      onClick={() => actions.continueRun()}
+      onClick={() => actions.tracking.continueRun()}
     />
   );
 }
@@ -63,20 +63,20 @@ function OfStretch({ found }: { found: Stretch }) {
           icon="check"
           tip={`Confirm ${frames} as correct`}
           small
-          onClick={() => void actions.acceptStretch()}
+          onClick={() => void actions.tracking.acceptStretch()}
         />
       )}
       <Button
         icon="trash"
         tip={`Clear the tracked labels in ${frames}`}
         small
-        onClick={() => void actions.clearStretch()}
+        onClick={() => void actions.tracking.clearStretch()}
       />
       <Button
         icon="track"
         tip={`Track ${frames} again from the nearest certain frame`}
         small
-        onClick={() => actions.trackStretch()}
+        onClick={() => actions.tracking.trackStretch()}
       />
     </span>
   );

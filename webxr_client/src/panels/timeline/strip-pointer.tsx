@@ -137,14 +137,20 @@ function entries({ label, frame }: StripPlace, locked: boolean): readonly Entry[
   const last = (state.sequence.value?.frames ?? 1) - 1;
   const busy = cannot || !isIn(label, frame) || trackingJob.value !== null;
   const track = (stop: number): void =>
-    actions.track({ labels: [label], start: frame, stop, method: 'auto', overwrite: 'tracked' });
+    actions.tracking.track({
+      labels: [label],
+      start: frame,
+      stop,
+      method: 'auto',
+      overwrite: 'tracked',
+    });
   const clears = from === to ? 'Clear here' : `Clear frames ${from} – ${to}`;
   return [
-    { icon: 'target', text: 'Go there', disabled: false, run: () => actions.seek(frame) },
+    { icon: 'target', text: 'Go there', disabled: false, run: () => actions.time.seek(frame) },
     { icon: 'track', text: 'Track forward from here', disabled: busy || frame === last, run: () => track(last) },
     { icon: 'swap', text: 'Track backward from here', disabled: busy || frame === 0, run: () => track(0) },
-    { icon: 'check', text: 'Confirm here', disabled: cannot || !canReview.value, run: () => void actions.acceptLabels([label], frame) },
-    { icon: 'layers', text: 'Copy from the previous frame', disabled: cannot || frame === 0, run: () => void actions.copyLabels([label], frame - 1, frame) },
-    { icon: 'trash', text: clears, disabled: cannot, run: () => void actions.clearLabels([label], from, to) },
+    { icon: 'check', text: 'Confirm here', disabled: cannot || !canReview.value, run: () => void actions.labels.acceptLabels([label], frame) },
+    { icon: 'layers', text: 'Copy from the previous frame', disabled: cannot || frame === 0, run: () => void actions.labels.copyLabels([label], frame - 1, frame) },
+    { icon: 'trash', text: clears, disabled: cannot, run: () => void actions.labels.clearLabels([label], from, to) },
   ]; // prettier-ignore
 }

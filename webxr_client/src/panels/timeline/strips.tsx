@@ -133,7 +133,7 @@ export function Strips({ frames }: { frames: number }) {
           const frame = frameAt(event);
           stripHover.value = null;
           if (!label) return;
-          actions.selectLabel(label.id);
+          actions.labels.selectLabel(label.id);
           stripPlace.value = { label: label.id, frame, x: event.clientX, y: event.clientY };
         }}
       />
@@ -211,17 +211,17 @@ function drag(
   if (event.offsetX < GUTTER_NARROW) {
     const row = Math.floor((event.offsetY - RULER) / ROW) + scroll;
     const label = row >= 0 && row < rows ? shownLabels()[row] : undefined;
-    if (label) actions.selectLabel(label.id);
+    if (label) actions.labels.selectLabel(label.id);
     return;
   }
   const scrubbing = event.offsetY < RULER;
   let range: FrameRange | null = null;
   element.setPointerCapture(event.pointerId);
-  if (scrubbing) actions.seek(start, true);
+  if (scrubbing) actions.time.seek(start, true);
   const move = (moved: PointerEvent): void => {
     const frame = frameAt(moved);
     if (scrubbing) {
-      actions.seek(frame, true);
+      actions.time.seek(frame, true);
     } else if (range || frame !== start) {
       range = { from: start, to: frame };
       frameRange.value = range;
@@ -230,7 +230,7 @@ function drag(
   const abort = new AbortController();
   const up = (released: PointerEvent): void => {
     abort.abort();
-    if (!range) actions.seek(frameAt(released));
+    if (!range) actions.time.seek(frameAt(released));
   };
   const own = { signal: abort.signal };
   element.addEventListener('pointermove', move, own);

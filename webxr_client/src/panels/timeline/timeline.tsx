@@ -47,28 +47,33 @@ function Transport() {
   const speeds = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS, speed].sort((a, b) => a - b);
   return (
     <div class="group">
-      <Button icon="first" tip="First frame" keys="Home" onClick={() => actions.seek(0)} />
-      <Button icon="back" tip="One frame back" keys="←" onClick={() => actions.step(-1)} />
+      <Button icon="first" tip="First frame" keys="Home" onClick={() => actions.time.seek(0)} />
+      <Button icon="back" tip="One frame back" keys="←" onClick={() => actions.time.step(-1)} />
       <Button
         icon={playing ? 'pause' : 'play'}
         tip={playing ? 'Pause' : 'Play'}
         keys="Space"
         class="play"
-        onClick={() => actions.togglePlay()}
+        onClick={() => actions.time.togglePlay()}
       />
-      <Button icon="forward" tip="One frame forward" keys="→" onClick={() => actions.step(1)} />
+      <Button
+        icon="forward"
+        tip="One frame forward"
+        keys="→"
+        onClick={() => actions.time.step(1)}
+      />
       <Button
         icon="last"
         tip="Last frame"
         keys="End"
-        onClick={() => actions.seek((state.sequence.peek()?.frames ?? 1) - 1)}
+        onClick={() => actions.time.seek((state.sequence.peek()?.frames ?? 1) - 1)}
       />
       <Button
         icon="loop"
         tip="Loop"
         keys="L"
         pressed={state.loop.value}
-        onClick={() => actions.toggleLoop()}
+        onClick={() => actions.time.toggleLoop()}
       />
       <Choice
         class="speed"
@@ -76,7 +81,7 @@ function Transport() {
         tip="Speed"
         value={String(speed)}
         choices={speeds.map((value) => [String(value), `${value}×`] as const)}
-        onChange={(value) => actions.setSpeed(Number(value))}
+        onChange={(value) => actions.time.setSpeed(Number(value))}
       />
     </div>
   );
@@ -116,7 +121,7 @@ function Doubtful({ frames }: { frames: number }) {
         tip="Previous doubtful frame"
         keys=","
         small
-        onClick={() => actions.nextDoubtful(-1)}
+        onClick={() => actions.time.nextDoubtful(-1)}
       />
       {plural(doubtful.length, 'doubtful frame')}
       <Button
@@ -124,7 +129,7 @@ function Doubtful({ frames }: { frames: number }) {
         tip="Next doubtful frame"
         keys="."
         small
-        onClick={() => actions.nextDoubtful(1)}
+        onClick={() => actions.time.nextDoubtful(1)}
       />
     </span>
   );

@@ -60,7 +60,7 @@ export function TrackForm() {
   const labels = here.filter((id) => chosen.has(id));
   const submit = (event: Event): void => {
     event.preventDefault();
-    actions.track({ labels, start, stop, ...choices.peek() });
+    actions.tracking.track({ labels, start, stop, ...choices.peek() });
     close();
   };
   return (

@@ -25,11 +25,11 @@ export class Buttons {
     this.time(brush, now);
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {
-      actions.toggleEraser();
+      actions.tools.toggleEraser();
       this.lessons.done('erase', brush.device);
     }
     if (brush.edge.secondary === 1) {
-      actions.undo();
+      actions.history.undo();
       this.lessons.done('undo', brush.device);
     }
   }
@@ -40,11 +40,11 @@ export class Buttons {
       this.lessons.done('panel', other.device);
     }
     if (other.edge.press === 1) {
-      actions.nextDoubtful(1);
+      actions.time.nextDoubtful(1);
       this.lessons.done('doubt', other.device);
     }
     if (other.edge.secondary === 1) {
-      actions.redo();
+      actions.history.redo();
       this.lessons.done('redo', other.device);
     }
     if (other.pad.x !== 0) this.lessons.done('turn', other.device);
@@ -55,11 +55,11 @@ export class Buttons {
   private time(hand: Pointer, now: number): void {
     const step = hand.repeatX.update(hand.pad.x, now);
     if (step !== 0) {
-      actions.step(step);
+      actions.time.step(step);
       this.lessons.done('step', hand.device);
     }
     if (hand.edge.press === 1) {
-      actions.togglePlay();
+      actions.time.togglePlay();
       this.lessons.done('play', hand.device);
     }
   }
@@ -70,10 +70,10 @@ export class Buttons {
     if (hand.device.pad === 'touchpad') {
       const notch = hand.repeatSize.update(lean, now);
       if (notch === 0) return;
-      actions.nudgeRadius(notch * NOTCHES);
+      actions.tools.nudgeRadius(notch * NOTCHES);
       this.lessons.done('size', hand.device);
     } else if (lean !== 0) {
-      actions.setRadius(peek(state.brush).radius * GROWTH ** (lean * seconds[0]!));
+      actions.tools.setRadius(peek(state.brush).radius * GROWTH ** (lean * seconds[0]!));
       this.lessons.done('size', hand.device);
     }
   }

@@ -95,7 +95,7 @@ export class UpDown {
     const next = labelBeside(peek(state.palette), active, this.marked);
     this.marked = 0;
     if (next === active) return;
-    actions.selectLabel(next);
+    actions.labels.selectLabel(next);
     this.acts.taken(this.hand!);
   }
 

@@ -34,13 +34,13 @@ export class RoomScale {
     if (scale < 1 && info) placeModel(world, scale, viewer.bounds(info), head, ahead);
     else scaleAbout(world, scale, head.clone().addScaledVector(ahead, 0.6).setY(0));
     this.moved(false);
-    actions.setRadius(peek(state.brush).radius / grown);
+    actions.tools.setRadius(peek(state.brush).radius / grown);
   }
 
   /** 1:1 on the floor; one stands where one stood before the scale was chosen. */
   reset(): void {
     const { world } = this.viewer;
-    actions.setRadius(peek(state.brush).radius * world.scale.x);
+    actions.tools.setRadius(peek(state.brush).radius * world.scale.x);
     resetWorld(world);
     if (this.stood) this.rig.standAt(this.stood.place, this.stood.ahead);
     this.stood = null;

@@ -61,14 +61,14 @@ export class Completion {
     if (view?.completes !== true) {
       if (steps > 0 && !this.objects.waits) this.offer(this.stroke);
     } else if (steps < 0 && view.level === 0) this.objects.end();
-    else actions.stepObject(steps);
+    else actions.tools.stepObject(steps);
   }
 
   /** Accept the shown object on release of the trigger. `given`: unintended release, accept none. */
   release(given: boolean): void {
     this.stroke = '';
     if (given) this.objects.end();
-    else if (this.age[0]! >= SEEN_MS && actions.completeObject()) this.objects.end();
+    else if (this.age[0]! >= SEEN_MS && actions.tools.completeObject()) this.objects.end();
   }
 
   /** Once per picture; `paused`: a panel is open, where the offer may be taken. */

@@ -181,7 +181,7 @@ export class Painter {
     if (!this.painting || this.points) return;
     const before = peek(state.object)?.level;
     const { stroke, completion } = this;
-    if (this.way.samples === 'clicks') actions.stepObject(steps);
+    if (this.way.samples === 'clicks') actions.tools.stepObject(steps);
     else if (completion.held) completion.step(steps);
     else if (stroke && steps > 0 && completes(this.way)) {
       stroke.end();

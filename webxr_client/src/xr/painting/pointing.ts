@@ -29,7 +29,7 @@ export class Pointing {
     if (tool === 'boxes' && this.boxes.begin(this.handAt(hand, tip))) this.pulse(0.5, 30);
     if (tool !== 'floor') return;
     const { origin, direction } = this.handAt(hand, tip);
-    void actions.pointAtFloor({ origin: origin.toArray(), direction: direction.toArray() });
+    void actions.view.pointAtFloor({ origin: origin.toArray(), direction: direction.toArray() });
     this.pulse(0.5, 30);
   }
 
@@ -59,8 +59,8 @@ export class Pointing {
     const hit = this.look.hit(hand, PICK_RADIUS);
     const label = hit ? (this.engine.playback.frame?.labelOf(hit.point) ?? 0) : 0;
     if (label === 0 || label === DELETED) return;
-    actions.selectLabel(label);
-    actions.setTool('paint');
+    actions.labels.selectLabel(label);
+    actions.tools.setTool('paint');
     this.pulse(0.5, 30);
   }
 }

@@ -186,7 +186,7 @@ export class PalettePanel extends Panel {
   }
 
   private list(): void {
-    void actions.refreshSequences();
+    void actions.recordings.refreshSequences();
     this.show('recordings');
   }
 
@@ -206,7 +206,7 @@ export class PalettePanel extends Panel {
     this.page = page;
     // The tasks are kept up to date while the desk's own list of them is open.
     if (page === 'work') openWork('tasks');
-    if (state.tool.peek() === 'floor') actions.setTool('paint');
+    if (state.tool.peek() === 'floor') actions.tools.setTool('paint');
     this.touch();
   }
 
@@ -234,9 +234,13 @@ export class PalettePanel extends Panel {
     const lower = upper + em * 2.25;
     const h = em * 2.1;
     const past = { icon: 'undo', text: undo ?? 'Nothing to undo', align: 'left' } as const;
-    ui.button(x, upper, wide, h, { ...past, disabled: undo === null }, () => actions.undo());
+    ui.button(x, upper, wide, h, { ...past, disabled: undo === null }, () =>
+      actions.history.undo(),
+    );
     const future = { icon: 'redo', text: redo ?? 'Nothing to redo', align: 'left' } as const;
-    ui.button(x, lower, wide, h, { ...future, disabled: redo === null }, () => actions.redo());
+    ui.button(x, lower, wide, h, { ...future, disabled: redo === null }, () =>
+      actions.history.redo(),
+    );
     const { controls } = this;
     const aside = { strong: true, align: 'left' } as const;
     ui.button(left, upper, side, h, { icon: 'frames', text: 'Timeline', ...aside }, () =>

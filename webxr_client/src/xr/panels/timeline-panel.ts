@@ -186,26 +186,26 @@ export class TimelinePanel extends Panel {
       ui.button(x, y, em * 2.3, h, { icon: name, on, strong: true }, act);
       x += em * 2.5;
     };
-    icon('back', () => actions.step(-1));
-    icon(playing ? 'pause' : 'play', () => actions.togglePlay(), playing);
-    icon('forward', () => actions.step(1));
-    icon('loop', () => actions.toggleLoop(), state.loop.peek());
+    icon('back', () => actions.time.step(-1));
+    icon(playing ? 'pause' : 'play', () => actions.time.togglePlay(), playing);
+    icon('forward', () => actions.time.step(1));
+    icon('loop', () => actions.time.toggleLoop(), state.loop.peek());
     const speed = state.speed.peek();
     ui.button(x, y, em * 3.2, h, { text: `${speed}×`, strong: true }, () => {
-      actions.setSpeed(SPEEDS[(SPEEDS.indexOf(speed) + 1) % SPEEDS.length]!);
+      actions.time.setSpeed(SPEEDS[(SPEEDS.indexOf(speed) + 1) % SPEEDS.length]!);
     });
     const doubtful = doubtfulFrames(state.timeline.peek().rows.values(), frames).length;
     if (doubtful === 0) return;
     const right = ui.width - em * 0.5;
     ui.button(right - em * 2.2, y, em * 2.2, h, { icon: 'next', strong: true }, () =>
-      actions.nextDoubtful(1),
+      actions.time.nextDoubtful(1),
     );
     ui.text(`${doubtful} doubtful`, right - em * 5.6, y + h / 2, {
       color: INK.warn,
       align: 'center',
     });
     ui.button(right - em * 11.2, y, em * 2.2, h, { icon: 'previous', strong: true }, () =>
-      actions.nextDoubtful(-1),
+      actions.time.nextDoubtful(-1),
     );
   }
 
@@ -237,7 +237,8 @@ export class TimelinePanel extends Panel {
     const x = em * 0.5 + gutter;
     const w = width - gutter;
     this.strips = { x, y: top, w, h: height };
-    const seek = (share: number): void => actions.seek(xToFrame(share * w, span, w, frames), true);
+    const seek = (share: number): void =>
+      actions.time.seek(xToFrame(share * w, span, w, frames), true);
     ui.area({ name: 'ruler', x, y: top, w, h: ruler, act: seek, drag: seek, plain: true });
     let start = 0;
     ui.area({

@@ -71,10 +71,10 @@ export class Row {
 
 function drawRun(row: Row, job: Job): void {
   row.button(8.5, { text: 'Cancel', icon: 'close', strong: true }, () => {
-    void actions.cancelJob(job.id);
+    void actions.tracking.cancelJob(job.id);
   });
   row.button(12.5, { text: 'Stop and keep', icon: 'check', strong: true }, () => {
-    void actions.cancelJob(job.id, true);
+    void actions.tracking.cancelJob(job.id, true);
   });
   if (job.progress > 0) row.bar(job.progress);
   const waits = job.progress === 0 && job.message;
@@ -87,18 +87,18 @@ function drawRun(row: Row, job: Job): void {
  */
 export function drawDoubt(words: Row, answers: Row, onward: Row): void {
   onward.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
-    actions.continueRun(),
+    actions.tracking.continueRun(),
   );
   const disabled = !canReview.peek();
   const found = stretch.peek();
   if (found && found.stop > found.start) {
     const text = `All ${found.stop - found.start + 1} frames`;
     answers.button(10, { text, icon: 'check', strong: true, disabled }, () => {
-      void actions.acceptStretch();
+      void actions.tracking.acceptStretch();
     });
   }
   answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
-    void actions.acceptHere();
+    void actions.tracking.acceptHere();
   });
   const todo = disabled ? 'Correct it; reviewers can confirm it' : 'Correct or confirm it';
   words.say(`${namesOf(unsure.peek())}: doubtful. ${todo}`, INK.warn);
@@ -108,7 +108,7 @@ export function drawMended(words: Row, answers: Row): void {
   const run = halted.peek()!;
   if (run.stop !== run.at) {
     answers.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
-      actions.continueRun();
+      actions.tracking.continueRun();
     });
   }
   words.say('Corrected: you can continue', INK.good);
@@ -156,7 +156,14 @@ function offer(row: Row, labels: readonly number[], frame: number): void {
 function track(labels: number[], start: number, stop: number): void {
   const { stopUnsure } = xrSettings.peek();
   const method = 'auto';
-  actions.track({ labels, start, stop, method, overwrite: 'tracked', stop_unsure: stopUnsure });
+  actions.tracking.track({
+    labels,
+    start,
+    stop,
+    method,
+    overwrite: 'tracked',
+    stop_unsure: stopUnsure,
+  });
 }
 
 /** Track all labels of the frame rather than the active one. */

@@ -4,7 +4,13 @@ import { vi } from 'vitest';
 import { frameOf, wall } from '../../cloud/points/testing';
 import type { Engine } from '../../engine/engine';
 import type { Ask, ClientMessage, Label } from '../../protocol/messages';
-import { bindActions, type Actions } from '../../store/actions';
+import {
+  bindActions,
+  type LabelActions,
+  type TimeActions,
+  type ToolActions,
+  type TrackingActions,
+} from '../../store/actions';
 import { state } from '../../store/state';
 import { brushNow } from '../../tools/brush';
 import { ObjectTool } from '../../tools/object';
@@ -78,26 +84,30 @@ export class Bench {
   private bind(): () => void {
     const { objects, sent } = this;
     const travels = (type: 'undo' | 'redo') => () => sent.push({ type, id: '' });
-    const does: Partial<Record<keyof Actions, (value: never) => unknown>> = {
-      selectLabel: (id: number) => {
-        state.activeLabel.value = id;
-        objects.end();
-      },
-      completeObject: () => objects.accept(),
-      stepObject: (levels: number) => objects.step(levels),
-      endObject: () => objects.end(),
-      undo: travels('undo'),
-      redo: travels('redo'),
-    };
-    const names = new Set([...NAMES, ...(Object.keys(does) as (keyof Actions)[])]);
-    const noted = [...names].map((name) => [
-      name,
-      (value: never): unknown => {
+    const note =
+      (name: string, does?: (...values: never[]) => unknown) =>
+      (...values: never[]): unknown => {
         this.acted.push(name);
-        return does[name]?.(value);
+        return does?.(...values);
+      };
+    const select = (id: number): void => {
+      state.activeLabel.value = id;
+      objects.end();
+    };
+    const noted = (names: readonly string[]): object =>
+      Object.fromEntries(names.map((name) => [name, note(name)]));
+    return bindActions({
+      time: noted(TIME),
+      labels: { ...noted(LABELS), selectLabel: note('selectLabel', select) },
+      tools: {
+        ...noted(TOOLS),
+        completeObject: note('completeObject', () => objects.accept()) as () => boolean,
+        stepObject: note('stepObject', (n) => objects.step(n)) as (levels: number) => boolean,
+        endObject: note('endObject', () => objects.end()),
       },
-    ]);
-    return bindActions(Object.fromEntries(noted) as Partial<Actions>);
+      history: { undo: note('undo', travels('undo')), redo: note('redo', travels('redo')) },
+      tracking: noted(TRACKING),
+    });
   }
 
   /** Some pictures; questions about objects are answered between two. */
@@ -157,7 +167,11 @@ export class Bench {
 
 const EDITS = ['stroke_begin', 'undo', 'redo', 'track'];
 /** Actions besides that a controller could ask for. */
-const NAMES: readonly (keyof Actions)[] = ['togglePlay', 'play', 'pause', 'step', 'toggleEraser',
-  'setRadius', 'nudgeRadius', 'nextDoubtful', 'setTool', 'setShape', 'deleteLabel', 'track',
-  'acceptHere', 'acceptStretch', 'clearStretch', 'clearLabels', 'continueRun', 'lastLabel',
-  'selectNthLabel', 'seek']; // prettier-ignore
+const TIME: readonly (keyof TimeActions)[] =
+  ['togglePlay', 'play', 'pause', 'step', 'nextDoubtful', 'seek']; // prettier-ignore
+const TOOLS: readonly (keyof ToolActions)[] =
+  ['toggleEraser', 'setRadius', 'nudgeRadius', 'setTool', 'setShape']; // prettier-ignore
+const LABELS: readonly (keyof LabelActions)[] =
+  ['deleteLabel', 'clearLabels', 'lastLabel', 'selectNthLabel']; // prettier-ignore
+const TRACKING: readonly (keyof TrackingActions)[] =
+  ['track', 'acceptHere', 'acceptStretch', 'clearStretch', 'continueRun']; // prettier-ignore

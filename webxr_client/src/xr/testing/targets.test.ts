@@ -163,7 +163,7 @@ describe('the palette changes the active label', () => {
   const names = ['updateLabel', 'renameLabel', 'recolorLabel', 'deleteLabel'] as const;
   let unbind = nothing;
   beforeAll(() => {
-    unbind = bindActions(Object.fromEntries(names.map((name) => [name, note(name)])));
+    unbind = bindActions({ labels: Object.fromEntries(names.map((name) => [name, note(name)])) });
   });
   afterAll(() => unbind());
   const did = (...pages: string[]): unknown[] => {
@@ -253,7 +253,7 @@ describe('the palette shows the tasks', () => {
 describe('the palette lists recordings', () => {
   it('opens one that is whole', () => {
     const opened: string[] = [];
-    const unbind = bindActions({ openSequence: (id) => opened.push(id) });
+    const unbind = bindActions({ recordings: { openSequence: (id) => opened.push(id) } });
     for (const name of ['View', 'Recordings', 'next', 'Run 8']) press(palette, name);
     expect(sides(palette).has('Run 0')).toBe(false);
     expect(opened).toEqual(['run-8']);

@@ -25,7 +25,7 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
   const on = state.tool.peek() === 'boxes';
   ui.check(x, top, inner, em * 2.2, 'Grab boxes', on, (wanted) =>
-    actions.setTool(wanted ? 'boxes' : 'paint'),
+    actions.tools.setTool(wanted ? 'boxes' : 'paint'),
   );
   const label = activeLabel.peek();
   const box = chosenBox.peek();

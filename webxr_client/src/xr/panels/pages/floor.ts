@@ -25,7 +25,7 @@ export function drawFloor(ui: Ui, x: number, top: number, inner: number): void {
   const look = { strong: true } as const;
   ui.button(x, top + em * 13, inner - em * 0.2, em * 2.2,
     { icon: 'restore', text: 'Reset to import', align: 'left', ...look },
-    () => void actions.resetFloor()); // prettier-ignore
+    () => void actions.view.resetFloor()); // prettier-ignore
   ui.button(x + half, top + em * 15.6, half - em * 0.2, em * 2.2,
-    { icon: 'check', text: 'Done', on: true }, () => actions.setTool('paint')); // prettier-ignore
+    { icon: 'check', text: 'Done', on: true }, () => actions.tools.setTool('paint')); // prettier-ignore
 }

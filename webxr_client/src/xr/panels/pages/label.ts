@@ -21,8 +21,8 @@ export function drawNew(
   const { em } = ui;
   const color = suggestColor(state.palette.peek().map((label) => label.color));
   const make = (name: string, category: string): void => {
-    void actions.createLabel(name, color, category);
-    actions.setTool('paint');
+    void actions.labels.createLabel(name, color, category);
+    actions.tools.setTool('paint');
     back();
   };
   ui.text('Choose a name', x + em * 0.4, top + em * 0.8, { color: INK.quiet });
@@ -78,14 +78,14 @@ export class EditPage {
     const { em } = ui;
     this.doomed = 0;
     drawNames(ui, [x, top + em * 2.4, inner], 4, label.color, (name, category) => {
-      void actions.updateLabel(label.id, { name, category });
+      void actions.labels.updateLabel(label.id, { name, category });
     });
     const w = inner / SWATCHES;
     LABEL_COLORS.forEach((swatch, i) => {
       const y = top + em * (COLORS + PITCH * Math.floor(i / SWATCHES));
       const look = { swatch, on: swatch === label.color.toLowerCase(), strong: true };
       ui.button(x + (i % SWATCHES) * w, y, w - em * 0.2, em * HEIGHT, look, () => {
-        void actions.recolorLabel(label.id, swatch);
+        void actions.labels.recolorLabel(label.id, swatch);
       });
     });
     const third = inner / 3;
@@ -94,7 +94,10 @@ export class EditPage {
     ui.button(x, y, wide, h, { text: 'Back', icon: 'previous' }, this.back);
     const type = { text: 'Type', icon: 'pencil', strong: true } as const;
     ui.button(x + third, y, wide, h, type, () => {
-      this.ask(`Name of “${label.name}”`, (name) => void actions.renameLabel(label.id, name));
+      this.ask(
+        `Name of “${label.name}”`,
+        (name) => void actions.labels.renameLabel(label.id, name),
+      );
     });
     const remove = { text: 'Delete', icon: 'trash', strong: true } as const;
     ui.button(x + 2 * third, y, wide, h, remove, () => this.doom(label.id));
@@ -112,7 +115,7 @@ export class EditPage {
     ui.button(x, y, wide, h, { text: 'Keep', icon: 'previous', strong: true }, () => this.doom(0));
     ui.button(x + half, y, wide, h, { text: 'Delete it', icon: 'trash', strong: true }, () => {
       this.doom(0);
-      void actions.deleteLabel(label.id);
+      void actions.labels.deleteLabel(label.id);
       this.back();
     });
   }

@@ -70,8 +70,8 @@ export class LabelsPage {
     const icon = label.locked ? 'lock' : label.visible ? null : 'hidden';
     const look = { fill: label.color, faded: !label.visible, text: label.name, on } as const;
     ui.button(x, y, w, h, { ...look, ...(icon && { icon }), align: 'left' }, () => {
-      actions.selectLabel(label.id);
-      if (state.tool.peek() === 'pick') actions.setTool('paint');
+      actions.labels.selectLabel(label.id);
+      if (state.tool.peek() === 'pick') actions.tools.setTool('paint');
     });
     if (!unsure.peek().includes(label.id)) return;
     ui.box(x + w - em * 1.9, y + em * 0.2, em * 1.7, em * 1.5, INK.back);
@@ -108,9 +108,9 @@ function choices(label: Label | null): Entry[] {
   const picking = state.tool.peek() === 'pick';
   const disabled = !label;
   return [
-    [{ icon: locked ? 'lock' : 'unlock', text: 'Lock', on: locked, disabled }, () => void actions.toggleLock(id)],
-    [{ icon: visible ? 'eye' : 'hidden', text: 'Hide', on: !visible, disabled }, () => void actions.toggleVisible(id)],
-    [{ icon: 'solo', text: 'Solo', on: solo && !disabled, disabled }, () => actions.solo(solo ? null : id)],
-    [{ icon: 'picker', text: 'Pick', on: picking }, () => actions.setTool(picking ? 'paint' : 'pick')],
+    [{ icon: locked ? 'lock' : 'unlock', text: 'Lock', on: locked, disabled }, () => void actions.labels.toggleLock(id)],
+    [{ icon: visible ? 'eye' : 'hidden', text: 'Hide', on: !visible, disabled }, () => void actions.labels.toggleVisible(id)],
+    [{ icon: 'solo', text: 'Solo', on: solo && !disabled, disabled }, () => actions.labels.solo(solo ? null : id)],
+    [{ icon: 'picker', text: 'Pick', on: picking }, () => actions.tools.setTool(picking ? 'paint' : 'pick')],
   ];
 } // prettier-ignore

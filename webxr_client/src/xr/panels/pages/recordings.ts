@@ -25,7 +25,9 @@ export class RecordingsPage {
     this.rows.of(sound).forEach(({ id, name, frames }, i) => {
       const look = { text: name, note: plural(frames, 'frame'), on: id === open } as const;
       const place = [x, top + em * PITCH * i, inner, em * 2.2] as const;
-      ui.button(...place, { ...look, strong: true, align: 'left' }, () => actions.openSequence(id));
+      ui.button(...place, { ...look, strong: true, align: 'left' }, () =>
+        actions.recordings.openSequence(id),
+      );
     });
     if (sound.length === 0) {
       ui.text('No recordings yet.', x + em * 0.5, top + em * 1.5, { color: INK.quiet });

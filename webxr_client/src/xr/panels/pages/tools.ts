@@ -30,7 +30,7 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
     ui.strip(x, top + em * (at + NAME), inner, em * TILE, entries, COLUMNS);
   };
   strip('Selection', 0, TOOLS.map(([id, icon, text]) =>
-    [{ icon, text, on: tool === id }, () => actions.setTool(id)])); // prettier-ignore
+    [{ icon, text, on: tool === id }, () => actions.tools.setTool(id)])); // prettier-ignore
   strip('Shape', SHAPES, WAYS.map((one) =>
     [{ icon: one.icon, text: one.label, on: way === one }, () => chooseWay(one)])); // prettier-ignore
   drawBrush(ui, x, top + em * BRUSH, inner, way);
@@ -56,9 +56,9 @@ function drawBrush(ui: Ui, x: number, top: number, inner: number, way: Way): voi
 function drawObject(ui: Ui, x: number, y: number, inner: number, completes: boolean): void {
   const { levels = 0, level = 0 } = state.object.peek() ?? {};
   ui.strip(x, y, inner, ui.em * 2.6, [
-    [{ text: 'Smaller', disabled: level <= 0 }, () => actions.stepObject(-1)],
-    [{ text: 'Larger', disabled: level >= levels - 1 }, () => actions.stepObject(1)],
-    [{ text: 'Complete', disabled: !completes }, () => actions.completeObject()],
+    [{ text: 'Smaller', disabled: level <= 0 }, () => actions.tools.stepObject(-1)],
+    [{ text: 'Larger', disabled: level >= levels - 1 }, () => actions.tools.stepObject(1)],
+    [{ text: 'Complete', disabled: !completes }, () => actions.tools.completeObject()],
   ]);
 }
 
@@ -66,7 +66,7 @@ function drawSize(ui: Ui, x: number, y: number, wide: number, way: Way): void {
   const { radius } = state.brush.peek();
   const share = Math.log(radius / RADIUS_MIN) / Math.log(RADIUS_MAX / RADIUS_MIN);
   ui.slider(x, y, wide, ui.em * 2.7, way.size ?? 'Radius', metres(radius), share, (to) =>
-    actions.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to),
+    actions.tools.setRadius(RADIUS_MIN * (RADIUS_MAX / RADIUS_MIN) ** to),
   );
 }
 
@@ -94,5 +94,5 @@ function checksOf(way: Way): readonly CheckRow[] {
 
 export function chooseWay(way: Way): void {
   if (way.name === 'sphere' || way.name === 'ray') change({ tip: way.name });
-  actions.setShape(way.shape);
+  actions.tools.setShape(way.shape);
 }

@@ -44,11 +44,11 @@ export function drawView(
   ui.strip(x, top + em * 14.9, inner, em * 3, [
     [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
     [{ icon: 'pin', text: 'Go there' }, () => world.go()],
-    [{ icon: 'plane', text: 'Floor' }, () => actions.setTool('floor')],
+    [{ icon: 'plane', text: 'Floor' }, () => actions.tools.setTool('floor')],
   ]);
   ui.strip(x, top + em * 18.2, inner, em * 3, [
     [{ icon: 'folder', text: 'Recordings' }, list],
-    [{ icon: 'exit', text: 'Leave' }, () => void actions.exitVR()],
+    [{ icon: 'exit', text: 'Leave' }, () => void actions.page.exitVR()],
   ]);
 }
 
@@ -56,11 +56,11 @@ function drawSliders(ui: Ui, x: number, top: number, wide: number): void {
   const h = ui.em * 2.5;
   const { labelBlend, pointSize, brightness } = state.view.peek();
   ui.slider(x, top, wide, h, 'Labels over colour', `${Math.round(labelBlend * 100)} %`,
-    labelBlend, (to) => actions.setView({ labelBlend: to })); // prettier-ignore
+    labelBlend, (to) => actions.view.setView({ labelBlend: to })); // prettier-ignore
   ui.slider(x, top + h, wide, h, 'Point size', `${pointSize.toFixed(1)}×`,
-    Math.log2(pointSize * 4) / 4, (to) => actions.setView({ pointSize: 2 ** (4 * to) / 4 })); // prettier-ignore
+    Math.log2(pointSize * 4) / 4, (to) => actions.view.setView({ pointSize: 2 ** (4 * to) / 4 })); // prettier-ignore
   ui.slider(x, top + 2 * h, wide, h, 'Brightness', `${brightness.toFixed(1)}×`,
-    Math.log2(brightness * 4) / 4, (to) => actions.setView({ brightness: 2 ** (4 * to) / 4 })); // prettier-ignore
+    Math.log2(brightness * 4) / 4, (to) => actions.view.setView({ brightness: 2 ** (4 * to) / 4 })); // prettier-ignore
 }
 
 function drawChecks(ui: Ui, x: number, top: number, half: number): void {
@@ -72,12 +72,12 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
     place += 1;
   };
   const { boxes, trails, ghost, surface } = state.view.peek();
-  check('Label boxes', boxes, (on) => actions.setView({ boxes: on }));
-  check('Trails', trails, (on) => actions.setView({ trails: on }));
-  check('Ghost', ghost, (on) => actions.setView({ ghost: on }));
+  check('Label boxes', boxes, (on) => actions.view.setView({ boxes: on }));
+  check('Trails', trails, (on) => actions.view.setView({ trails: on }));
+  check('Ghost', ghost, (on) => actions.view.setView({ ghost: on }));
   if (!state.sequence.peek()?.lattice) return;
   const i = SURFACES.findIndex(([mode]) => mode === surface);
   const next = SURFACES[(i + 1) % SURFACES.length]![0];
   ui.button(x + half, top + em * 2.1, half, em * 1.9, { text: SURFACES[i]![1], strong: true },
-    () => actions.setView({ surface: next })); // prettier-ignore
+    () => actions.view.setView({ surface: next })); // prettier-ignore
 }

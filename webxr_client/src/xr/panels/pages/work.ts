@@ -134,9 +134,9 @@ function drawVerdict(column: Column, task: Task, ask: AskName): void {
 function keepExport(): void {
   const info = state.sequence.peek()!;
   const run = async (): Promise<void> => {
-    await actions.loadExportFormats();
+    await actions.recordings.loadExportFormats();
     const format = lastExport.peek() ?? exportFormats.peek()[0]?.format;
-    if (format) await actions.exportSequence(format, '', '', '', info.id);
+    if (format) await actions.recordings.exportSequence(format, '', '', '', info.id);
   };
   const link = { label: 'Export', run: () => void run(), stays: true };
   notify('success', `Export of ${info.name}`, 'The link waits on the page. Leave the headset to use it.', link); // prettier-ignore
