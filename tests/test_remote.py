@@ -6,16 +6,16 @@ import io
 import json
 import zipfile
 from collections.abc import Iterator
-from inspect import isfunction, signature
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pointbrush import remote, team_commands
 from pointbrush.cli import main, parser
 from pointbrush.client import Client
-from pointbrush.settings import CLIENTS, LOCAL, REMOTE
+from pointbrush.commands.grammar import VERBS
+from pointbrush.settings import CLIENTS, LOCAL, REMOTE, SERVERS
 from tests.serving import TOKEN, Served, serving, settings_in
 
 
@@ -149,14 +149,10 @@ def lines(tmp_path: Path) -> dict[str, list[str]]:
 def test_each_command_has_a_place_to_work() -> None:
     (names,) = (each.choices for each in parser()._actions if isinstance(each.choices, dict))
     assert set(names) == COMMANDS.keys() | OTHERS
-    made = {
-        name.removesuffix("_").replace("_", "-"): module
-        for module in (remote, team_commands)
-        for name, each in vars(module).items()
-        if isfunction(each) and [*signature(each).parameters] == ["given", "settings"]
-    }
-    assert made.keys() == set(CLIENTS)
-    assert {name for name, module in made.items() if module is remote} == set(REMOTE)
+    places = {each.name: [*signature(each.run).parameters.values()][1].annotation for each in VERBS}
+    assert {name for name, place in places.items() if place == "Place"} == {*REMOTE}
+    assert {name for name, place in places.items() if place == "Client"} == {*CLIENTS} - {*REMOTE}
+    assert {name for name, place in places.items() if place == "LocalClient"} == {*LOCAL, *SERVERS}
     assert COMMANDS.keys() == {*CLIENTS, *LOCAL}
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.cli import main
-from pointbrush.commands import follow
+from pointbrush.commands.following import follow
 from pointbrush.job import Job
 from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.settings import Settings

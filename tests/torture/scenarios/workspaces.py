@@ -13,7 +13,7 @@ import numpy as np
 
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.forest import Trees
-from pointbrush.following import follow
+from pointbrush.commands.following import follow
 from pointbrush.settings import Settings
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.classifiers.files import ClassifierFiles

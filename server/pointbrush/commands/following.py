@@ -5,41 +5,25 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pointbrush.errors import CancelledError, PointbrushError
 from pointbrush.job import ENDED
+
+if TYPE_CHECKING:
+    from pointbrush import client, job
 
 TICK = 0.1
 """Seconds between two polls."""
 LINE_STEP = 0.1
 """Part of the work between two plain lines, 0..1."""
-
-
-class Followed(Protocol):
-    """A job of this process, or of a server."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def kind(self) -> str: ...  # noqa: D102
-    @property
-    def state(self) -> str: ...  # noqa: D102
-    @property
-    def progress(self) -> float: ...  # noqa: D102
-    @property
-    def message(self) -> str: ...  # noqa: D102
-    @property
-    def result(self) -> dict[str, Any] | None: ...  # noqa: D102
-    @property
-    def error(self) -> str | None: ...  # noqa: D102
-
-
-Look = Callable[[str], Followed]
+Job: TypeAlias = "job.Job | client.Job"
+"""A job of this process, or of a server."""
+Look: TypeAlias = Callable[[str], Job]
 """Return the current state of a job, by its id."""
 
 
-def follow(look: Look, job: Followed) -> dict[str, Any]:
+def follow(look: Look, job: Job) -> dict[str, Any]:
     """Show ``job`` until it has ended, and return its result.
 
     Raises PointbrushError with the error of a failed job, CancelledError for a cancelled job.
@@ -53,7 +37,7 @@ def follow(look: Look, job: Followed) -> dict[str, Any]:
     return ended.result or {}
 
 
-def _bar(look: Look, job: Followed) -> Followed:
+def _bar(look: Look, job: Job) -> Job:
     from tqdm import tqdm
 
     layout = "{desc}: {percentage:3.0f}% |{bar}| {postfix}"
@@ -66,7 +50,7 @@ def _bar(look: Look, job: Followed) -> Followed:
     return job
 
 
-def _lines(look: Look, job: Followed) -> Followed:
+def _lines(look: Look, job: Job) -> Job:
     shown = -1.0
     while job.state not in ENDED:
         time.sleep(TICK)

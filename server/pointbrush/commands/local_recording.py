@@ -1,0 +1,189 @@
+"""The client's interface to one recording, as far as commands use it, on this machine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Sized
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pointbrush.job import Job
+    from pointbrush.oriented_box import OrientedBox
+    from pointbrush.sequences import Manifest
+    from pointbrush.work.listing import Listed
+    from pointbrush.work.palettes import CountedLabel
+    from pointbrush.work.reviewing import BoxAgreement, Checked, Table
+    from pointbrush.work.reviewing.comparing import LabelAgreement
+    from pointbrush.workspace import Workspace
+
+AUTHOR = "command line"
+"""Author of the edits of commands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """A recording with the attributes of ``client.Manifest`` that commands print.
+
+    ``frames`` is 0 for an unreadable recording.
+    """
+
+    id: str
+    name: str
+    revision: int
+    project: str
+    damaged: str | None
+    labels_missing: str | None
+    source: str = ""
+    frames: int = 0
+    fps: float = 0.0
+    points: Sequence[int] = ()
+    fields: Sequence[str] = ()
+
+    @classmethod
+    def of(cls, entry: Listed) -> Facts:
+        """Return the facts of an entry of the workspace's list."""
+        known = entry.manifest
+        facts = (known.source, known.frames, known.fps, known.points, known.fields) if known else ()
+        return cls(
+            entry.id, entry.name, entry.revision, entry.project, entry.damaged,
+            entry.labels_missing, *facts,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """The agreement of two recordings, as ``client.Agreement`` has it."""
+
+    labels: Sequence[LabelAgreement] = ()
+    miou: float | None = None
+    boxes: BoxAgreement | None = None
+
+
+@dataclass(frozen=True)
+class Part:
+    """A recording, a part of its calls, or a project, by its id."""
+
+    workspace: Workspace
+    id: str
+
+
+class LocalRecording(Part):
+    """The calls of ``client.Recording``."""
+
+    @property
+    def frames(self) -> Sized:
+        """The frames; raises DamagedError, NotFoundError."""
+        return self.workspace.recording(self.id)
+
+    @property
+    def manifest(self) -> Facts:
+        """The facts of the recording; raises DamagedError, NotFoundError."""
+        self.workspace.recording(self.id)
+        return Facts.of(self.workspace.listing.entry(self.id))
+
+    @property
+    def boxes(self) -> LocalBoxes:
+        """The boxes."""
+        return LocalBoxes(self.workspace, self.id)
+
+    @property
+    def by_example(self) -> LocalByExample:
+        """The use of classifiers."""
+        return LocalByExample(self.workspace, self.id)
+
+    @property
+    def review(self) -> LocalReview:
+        """The review."""
+        return LocalReview(self.workspace, self.id)
+
+    def labels(self) -> list[CountedLabel]:
+        """Return the palette, with the number of points of each label."""
+        from pointbrush.work.palettes import counted_labels
+
+        return counted_labels(self.workspace.labels, self.id)
+
+    def start_tracking(
+        self, labels: Sequence[int] | None, start: int, stop: int, **options: Any
+    ) -> Job:
+        """Start a tracking run; ``options``: of ``RunOptions``."""
+        return self.workspace.tracking.start(
+            self.id, start=start, stop=stop, labels=labels, author=AUTHOR, **options
+        )
+
+    def start_fit_boxes(self, labels: Sequence[int] | None, **options: Any) -> Job:
+        """Start a fit of boxes; ``options``: category, frames, redraw."""
+        return self.workspace.fitting.fit(self.id, author=AUTHOR, labels=labels, **options)
+
+    def start_label_import(
+        self, files: Sequence[Path], *, map: str | None, dry_run: bool, **options: Any
+    ) -> Job:
+        """Start an import of labels from one place; ``options``: of ``LabelOptions``."""
+        from pointbrush.formats.tables.class_maps import parse_map
+
+        (place,), names = files, {} if map is None else parse_map("--map", map)
+        return self.workspace.imports.begin_labels(
+            self.id, place, AUTHOR, names=names, dry_run=dry_run, **options
+        )
+
+    def import_source_labels(self) -> None:
+        """Import the labels in the recording's own files that were not imported with it."""
+        self.workspace.imports.bring_labels(self.id, AUTHOR)
+
+    def export(
+        self, format: str, out: Path, frames: str | None, val: str | None, above: float,
+        snapshot: str | None,
+    ) -> None:  # fmt: skip
+        """Write an export to a folder or file, whole or not at all."""
+        self.workspace.export(self.id, format, out, frames, val, above, snapshot)
+
+    def update(self, *, name: str) -> Manifest:
+        """Change the name, and return the new manifest."""
+        return self.workspace.update_sequence(self.id, name=name)
+
+    def delete(self) -> None:
+        """Delete the recording with its labels; raises NotFoundError, DamagedError."""
+        self.workspace.recording(self.id)
+        self.workspace.deletion.delete(self.id)
+
+
+class LocalBoxes(Part):
+    """The calls of ``client.Boxes``."""
+
+    def all(self) -> Sequence[OrientedBox]:
+        """Return the boxes."""
+        return self.workspace.labels.boxes.listing(self.id).boxes
+
+
+class LocalByExample(Part):
+    """The calls of ``client.ByExample``."""
+
+    def start(self, classifier: str, frames: str, above: float | None) -> Job:
+        """Start an application of a classifier to frames."""
+        return self.workspace.classifiers.apply(
+            self.id, author=AUTHOR, classifier=classifier, frames=frames, above=above
+        )
+
+
+class LocalReview(Part):
+    """The calls of ``client.Review``."""
+
+    def check(self, frames: str | None) -> Checked:
+        """Return the findings in frames ``I:J``, and the skipped checks."""
+        return self.workspace.reviewing.checks(self.id, frames)
+
+    def agreement(self, other: str, *, frames: str | None, boxes: bool) -> Compared:
+        """Return the agreement of labels, or of boxes alone, with another recording."""
+        reviewing = self.workspace.reviewing
+        if boxes:
+            return Compared(boxes=reviewing.box_agreement(self.id, other, frames))
+        found = reviewing.agreement(self.id, other, frames=frames)
+        return Compared(found.labels, found.miou)
+
+    def report(self, out: Path, table: Table) -> None:
+        """Write the report to a .html or .csv file."""
+        from pointbrush.work.reviewing import to_csv, to_html
+
+        found = self.workspace.reviewing.report(self.id)
+        text = to_html(found) if out.suffix.lower() == ".html" else to_csv(found, table)
+        out.write_text(text, encoding="utf-8")
