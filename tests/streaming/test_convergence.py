@@ -326,14 +326,14 @@ def test_a_followers_messages_are_made_before_they_are_wanted(workspace: Workspa
         async with hub.running():
             room = Room(workspace, workspace.recording("wall"), hub.values, hub.shelf, hub.read)
             await room.load()
-            room.expect(2, 1)
+            room.stock.expect(2, 1)
             while (table := room.stock.known_table(2)) is None:
                 await asyncio.sleep(0.001)
             piece = table.first_piece(2, 1)
             assert piece.stop == table.stops[1]
-            while (ready := room.ready(piece, table)) is None:
+            while (ready := room.stock.ready(piece)) is None:
                 await asyncio.sleep(0.001)
-            assert ready == await room.points(piece, table)
+            assert ready == await room.stock.messages(piece)
             assert msgpack.unpackb(b"".join(ready[2]))["total"] == table.firsts[-1]
 
     asyncio.run(asyncio.wait_for(scenario(), PATIENCE))

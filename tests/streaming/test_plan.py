@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pointbrush.streaming.outbox import MOST_DELTA_BYTES, Outbox, QueuedDelta
-from pointbrush.streaming.plan import Piece, Plan, PlayClock
+from pointbrush.streaming.plan import Piece, Plan, PlayClock, Unopened
 from pointbrush.streaming.rate import Link
 from pointbrush.streaming.table import FrameTable
 
@@ -31,12 +31,11 @@ def plan_with(rate: float) -> Plan:
 
 
 def take(plan: Plan, now: float) -> Piece | None:
-    for step, frame in plan.candidates(now):
-        piece = plan.piece(step, frame, TABLE, now)
-        if piece is not None:
-            plan.sent(piece, now)
-            return piece
-    return None
+    piece = plan.next(now, dict.fromkeys(range(100), TABLE).get)
+    assert not isinstance(piece, Unopened)
+    if piece is not None:
+        plan.sent(piece, now)
+    return piece
 
 
 def test_a_paused_frame_comes_coarse_first_then_all_of_it_then_its_neighbours() -> None:

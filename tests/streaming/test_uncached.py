@@ -101,7 +101,7 @@ def test_a_long_loop_costs_no_thread_once_it_was_seen(tmp_path: Path, values: st
                 assert isinstance(data, memoryview)
                 assert isinstance(data.obj, mmap.mmap), "no copy"
                 assert len(head) < 2_000
-            of_values = [call for call in calls[before:] if "values_message" in str(call)]
+            of_values = [call for call in calls[before:] if "Values.message" in str(call)]
             assert len(calls) - before == len(of_values)
             assert bool(of_values) == (values == "none")
             running.cancel()

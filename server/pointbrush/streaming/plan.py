@@ -1,13 +1,13 @@
 """Plan of the points that a viewer gets next: the newest due frame, then the frames after it.
 
-The plan only decides, without input or output: it takes times and returns pieces.  ``PlayClock``
-returns the frame that is due.
+The plan only decides, without input or output: it takes times and the levels of open frames, and
+returns pieces.  ``PlayClock`` returns the frame that is due.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from pointbrush.streaming.load import Load
@@ -25,6 +25,8 @@ REFINE_SECONDS = 0.05
 AT_ONCE_SECONDS = 0.012
 """A frame that takes less than this on the link is not split: its first part is not visible."""
 SMALLEST_REFINEMENT = 64 * 1024
+LARGE_PIECE = 512 * 1024
+"""Bytes of one message of chunks of a large frame."""
 PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
 BUSY_PAUSE = 0.1
 UP_PERIOD = 0.15
@@ -88,6 +90,13 @@ class PlayClock:
         return self.since + step / self.shown_per_second if self.rate else self.since
 
 
+@dataclass(frozen=True, slots=True)
+class Unopened:
+    """A frame that has to be opened before a piece can be chosen."""
+
+    frame: int
+
+
 @dataclass(slots=True)
 class Plan:
     """One viewer's place in a sequence and the chunks that it has.
@@ -111,6 +120,10 @@ class Plan:
     chunks: dict[int, set[int]] = field(default_factory=dict)
     damaged: set[int] = field(default_factory=set)
     """Frames that cannot be read and were reported to the viewer; a seek tries them again."""
+    large: bool = False
+    """Frames are octrees of chunks, of which the viewer requests those that it needs."""
+    wanted: tuple[int, list[int]] = field(default_factory=lambda: (0, []))
+    """A frame of a large sequence and its requested chunks, in order of urgency."""
     pace: Pace = field(default_factory=Pace)
     shown_points: int = 0
     _step: int = -1
@@ -156,6 +169,19 @@ class Plan:
         self._step, self._had = piece.step, 0
         return max(0, skipped)
 
+    def sending(self, piece: Piece, *, anew: bool) -> None:
+        """Record the chunks of a large frame that are being sent; ``anew``: the first ones."""
+        if not self.large:
+            return
+        sent = set(range(piece.first, piece.stop))
+        if anew:
+            self.chunks[piece.frame] = set()
+        if piece.frame in self.chunks:
+            self.chunks[piece.frame] |= sent
+        frame, chunks = self.wanted
+        if frame == piece.frame:
+            chunks[:] = [chunk for chunk in chunks if chunk not in sent]
+
     def coming(self, piece: Piece) -> list[int]:
         """Return the frames to prepare after a piece that is being sent."""
         if self.clock is None:
@@ -179,6 +205,45 @@ class Plan:
         """Pass a step for which the viewer has its frame already."""
         if step > self._step + self._had:
             self._had += 1
+
+    def next(
+        self, now: float, known: Callable[[int], FrameTable | None]
+    ) -> Piece | Unopened | None:
+        """Choose the next piece to send, or the frame to open for that; None: nothing to send.
+
+        ``known`` returns the levels of an open frame, and None for another one.
+        """
+        if self.large:
+            return self._next_chunks(now, known)
+        for step, frame in self.candidates(now):
+            if frame in self.damaged:
+                self.passed(step)
+                continue
+            table = known(frame)
+            if table is None:
+                return Unopened(frame)
+            piece = self.piece(step, frame, table, now)
+            if piece is not None:
+                return piece
+        return None
+
+    def _next_chunks(
+        self, now: float, known: Callable[[int], FrameTable | None]
+    ) -> Piece | Unopened | None:
+        """Return the root of the shown frame first, then runs of requested chunks."""
+        frame = self.focus if self.clock is None else self.clock.due(now)
+        root = frame not in self.held
+        frame, chunks = (frame, [0]) if root else self.wanted
+        if not chunks or frame in self.damaged:
+            return None
+        table = known(frame)
+        if table is None:
+            return Unopened(frame)
+        if root:
+            return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
+        while chunks and chunks[0] >= table.chunks:
+            chunks.pop(0)
+        return _run_of(frame, chunks, table) if chunks else None
 
     def candidates(self, now: float) -> Iterator[tuple[int, int]]:
         """Return step of the clock (0 while paused) and frame of candidates, most urgent first."""
@@ -244,3 +309,12 @@ class Plan:
         if self.clock is None or self.clock.rate == 0:
             return BUSY_PAUSE if self.load.strained else None
         return min(1.0, self.clock.next_change(now + LOOKAHEAD))
+
+
+def _run_of(frame: int, chunks: Sequence[int], table: FrameTable) -> Piece:
+    """Return the longest run of requested chunks from the first one on, within LARGE_PIECE."""
+    first = chunks[0]
+    stop = first + 1
+    while stop in chunks[: stop - first + 1] and table.size(first, stop + 1) <= LARGE_PIECE:
+        stop += 1
+    return Piece(frame, first, stop, final=False)

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Any, Protocol
 
 from pointbrush.errors import DamagedError, PointbrushError, UnavailableError
 from pointbrush.labels import Commit, Delta, GapError
 from pointbrush.sequences import Sequence, load_loops
-from pointbrush.streaming.encoding import (
-    encode_delta,
-    encode_provisional,
-    encode_whole,
-)
+from pointbrush.streaming.encoding import encode_delta, encode_provisional
 from pointbrush.streaming.outbox import Outbox, QueuedDelta
 from pointbrush.streaming.shared.board import Board, Place
-from pointbrush.streaming.shared.cache import MessageCache, Versioned
-from pointbrush.streaming.shared.stock import PointsMessage, Shelf, Stock
-from pointbrush.streaming.table import FrameTable, Piece
+from pointbrush.streaming.shared.cache import MessageCache
+from pointbrush.streaming.shared.stock import Shelf, Stock
+from pointbrush.streaming.shared.values import Values
 from pointbrush.work.events import Provisional
 from pointbrush.workspace import Workspace
 
@@ -30,11 +25,6 @@ TICK_SECONDS_A_VIEWER = 0.0005
 """The same time for each viewer of a room; the greater of both applies."""
 AT_ONCE = 50_000
 """Most changed points that are encoded on the event loop instead of in a thread."""
-CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
-
-
-Ready = tuple[int, bytes, PointsMessage]
-"""The revision of a piece's values, their message, and the message of its points."""
 
 
 class Listener(Protocol):
@@ -71,22 +61,19 @@ class Room:
         self,
         workspace: Workspace,
         recording: Sequence,
-        values: MessageCache,
+        cache: MessageCache,
         shelf: Shelf,
         run: Callable[..., Awaitable[Any]],
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
-        self.workspace, self.recording, self._values, self._run = workspace, recording, values, run
+        self.workspace, self.recording, self._run = workspace, recording, run
         self.id = recording.manifest.id
         self.viewers: set[Listener] = set()
-        self.revision = 0
         self.cameras = False
         """Whether there are camera pictures; False while the store is unavailable."""
         self.board = Board(workspace.labels, run, self.id)
-        self._touched: dict[int, int] = {}
-        self._start = 0
-        self.stock = Stock(recording, shelf, run)
-        self._expected: dict[tuple[int, int, bool], asyncio.Task[None]] = {}
+        self.values = Values(workspace.labels, (self.id, recording.identity), cache, run)
+        self.stock = Stock(recording, self.values, shelf, run)
         self._ticked = 0.0
         self._tick: asyncio.TimerHandle | None = None
 
@@ -95,77 +82,18 @@ class Room:
         self.cameras = await self._run(self._has_pictures)
         if self.recording.manifest.large:
             self._loading = asyncio.ensure_future(self._run(load_loops))
-        self.revision = self._start = max(self.revision, await self.board.load())
+        self.values.begin(await self.board.load())
+
+    @property
+    def revision(self) -> int:
+        """The newest commit in the outboxes of the viewers."""
+        return self.values.revision
 
     def _has_pictures(self) -> bool:
         try:
             return self.recording.has_pictures
         except (DamagedError, UnavailableError):
             return False  # the cloud is shown without pictures
-
-    # ── points ───────────────────────────────────────────────────────────────────────────
-
-    def ready(self, piece: Piece, table: FrameTable) -> Ready | None:
-        """Return the result of ``points`` if it needs no read."""
-        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
-        least = self._touched.get(piece.frame, self._start)
-        values = self._values.known(self._key(piece.frame, first, stop - first), least)
-        if values is None or values[0] > self.revision:
-            return None
-        data = self.stock.known_message(piece)
-        return None if data is None else (*values, data)
-
-    async def points(self, piece: Piece, table: FrameTable) -> Ready:
-        """Return a piece's values as in ``values_message``, and the message of its points."""
-        first, stop = table.firsts[piece.first], table.firsts[piece.stop]
-        values, data = await asyncio.gather(
-            self.values_message(piece.frame, first, stop - first), self.stock.message(piece)
-        )
-        return (*values, data)
-
-    def expect(self, frame: int, level: int, *, depth: bool = False) -> None:
-        """Prepare the messages of a frame up to a level before a viewer needs them.
-
-        Otherwise the viewers that play a recording for the first time would wait at each frame.
-        """
-        table = self.stock.known_table(frame, depth=depth)
-        if table is not None and self.ready(table.first_piece(frame, level), table) is not None:
-            return
-        key = frame, level, depth
-        if key not in self._expected:
-            task = self._expected[key] = asyncio.create_task(self._make(*key))
-            task.add_done_callback(lambda _: self._expected.pop(key))
-
-    async def _make(self, frame: int, level: int, depth: bool) -> None:
-        # The viewer that needs the frame gets the error.
-        with contextlib.suppress(PointbrushError):
-            table = await self.stock.table(frame, depth=depth)
-            await self.points(table.first_piece(frame, level), table)
-
-    # ── values ───────────────────────────────────────────────────────────────────────────
-
-    async def values_message(self, frame: int, first: int, count: int) -> tuple[int, bytes]:
-        """Return the revision of the current values of a run of points, and their message.
-
-        Every commit up to that revision is in the viewers' outboxes.
-        """
-        key = self._key(frame, first, count)
-
-        def read() -> Versioned:
-            values = self.workspace.labels.values(self.id, frame, first, count)
-            return values.revision, encode_whole(self.id, frame, first, values)
-
-        least = self._touched.get(frame, self._start)
-        revision, data = await self._values.get(key, lambda: self._run(read), least)
-        for _ in range(CATCH_UP_TRIES):
-            if self.revision >= revision:
-                break
-            # The commit has been read, but its event has not arrived yet.
-            await asyncio.sleep(CATCH_UP_PAUSE)
-        return revision, data
-
-    def _key(self, frame: int, first: int, count: int) -> tuple[object, ...]:
-        return "values", self.stock.key, frame, first, count
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 
@@ -178,13 +106,12 @@ class Room:
             for viewer in self.viewers:
                 viewer.all_stale()
                 viewer.boxes_changed(None)
-            self._start = commit.revision - 1
-            self._touched.clear()
+            self.values.missed(commit.revision - 1)
             self.board.all_changed()
         held = [f for f in commit.frames if any(viewer.holds(f) for viewer in self.viewers)]
-        bases = {frame: self._touched.get(frame, self._start) for frame in held}
+        bases = {frame: self.values.last_change(frame) for frame in held}
         # From here on no viewer gets older values, even while the deltas are encoded.
-        self._touched.update(dict.fromkeys(commit.frames, commit.revision))
+        self.values.change(commit.frames, commit.revision)
         try:
             encoded = await self._encoded(commit, bases)
         except PointbrushError:
@@ -192,7 +119,7 @@ class Room:
             encoded, whole = [], held
         else:
             whole = [frame for frame in held if commit.frames[frame] is None]
-        self.revision = commit.revision
+        self.values.revision = commit.revision
         for delta in encoded:
             for viewer in self.viewers:
                 if viewer.holds(delta.frame):

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 
 from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
 from pointbrush.streaming.hub import Hub
+from pointbrush.streaming.plan import Unopened
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.table import FrameTable, Piece
 from pointbrush.streaming.viewer import Viewer
 
 VALUES_RUN = 4_000_000
 """Most points of one message of values."""
-LARGE_PIECE = 512 * 1024
 RETRY_SECONDS = 0.5
 
 
@@ -93,12 +94,12 @@ class Sender:
         Deltas that arrive while a large frame is sent wait and follow in order; applying a delta
         that a run already includes changes nothing.
         """
-        runs = self._runs(room, frame, await room.stock.table(frame))
+        runs = self._runs(frame, await room.stock.table(frame))
         # From here on the outbox takes deltas of this frame again, so that none is missed.
         self._outbox.stale.pop(frame, None)
         oldest = None
         for first, count in runs:
-            revision, data = await room.values_message(frame, first, count)
+            revision, data = await room.values.message(frame, first, count)
             if self._viewer.room is not room:
                 return  # the viewer has opened another sequence
             oldest = revision if oldest is None else oldest
@@ -106,10 +107,10 @@ class Sender:
             self._outbox.drop(frame, oldest)
             await self._viewer.send(data)
 
-    def _runs(self, room: Room, frame: int, table: FrameTable) -> list[tuple[int, int]]:
+    def _runs(self, frame: int, table: FrameTable) -> list[tuple[int, int]]:
         """Return first point and length of each run of a frame that a viewer may have."""
         viewer, spans = self._viewer, [(0, table.firsts[-1])]
-        if room.recording.manifest.large and not viewer.resumed:
+        if viewer.plan.large and not viewer.resumed:
             chunks = viewer.plan.chunks.get(frame)
             if chunks is not None:
                 spans = table.spans(chunks)
@@ -203,74 +204,30 @@ class Sender:
             damaged.add(frame)
             self._viewer.refuse(error)
 
-    async def _table(self, room: Room, frame: int) -> FrameTable | None:
-        """Return the levels of a frame, or None if it cannot be read."""
-        if frame in self._viewer.plan.damaged:
-            return None
-        try:
-            return await self._levels(room, frame, depth=self._viewer.depth)
-        except UnavailableError:
-            raise
-        except PointbrushError as error:
-            self._give_up(room, frame, error)
-            return None
-
-    async def _levels(self, room: Room, frame: int, *, depth: bool) -> FrameTable:
-        stock = room.stock
-        return stock.known_table(frame, depth=depth) or await stock.table(frame, depth=depth)
-
     async def _next_piece(self, room: Room) -> Piece | None:
+        """Return the plan's next piece; frames that the plan asks for are opened first."""
         viewer = self._viewer
-        if room.recording.manifest.large:
-            return await self._next_wanted(room)
-        now = viewer.now()
-        damaged, depth = viewer.plan.damaged, viewer.depth
-        for step, frame in viewer.plan.candidates(now):
-            table = None if frame in damaged else room.stock.known_table(frame, depth=depth)
-            table = table or await self._table(room, frame)
-            if table is None:
-                viewer.plan.passed(step)
-                continue
-            piece = viewer.plan.piece(step, frame, table, now)
-            if piece is not None:
-                return piece
+        known = partial(room.stock.known_table, depth=viewer.depth)
+        while viewer.room is room:
+            chosen = viewer.plan.next(viewer.now(), known)
+            if not isinstance(chosen, Unopened):
+                return chosen
+            try:
+                await room.stock.table(chosen.frame)
+            except UnavailableError:
+                raise
+            except PointbrushError as error:
+                self._give_up(room, chosen.frame, error)
         return None
-
-    async def _next_wanted(self, room: Room) -> Piece | None:
-        """Return the root of the shown frame first, then runs of requested chunks."""
-        viewer = self._viewer
-        plan = viewer.plan
-        frame = plan.focus if plan.clock is None else plan.clock.due(viewer.now())
-        if frame not in plan.held:
-            table = await self._table(room, frame)
-            if table is None:
-                return None
-            return Piece(frame, 0, table.stops[0], final=table.chunks == table.stops[0])
-        if viewer.wanted is None or not viewer.wanted[1]:
-            return None
-        frame, chunks = viewer.wanted
-        table = await self._table(room, frame)
-        if table is None:
-            return None
-        while chunks and chunks[0] >= table.chunks:
-            chunks.pop(0)
-        if not chunks:
-            return None
-        first = chunks[0]
-        stop = first + 1
-        while stop in chunks[: stop - first + 1] and table.size(first, stop + 1) <= LARGE_PIECE:
-            stop += 1
-        return Piece(frame, first, stop, final=False)
 
     async def _send_piece(self, room: Room, piece: Piece) -> None:
         viewer = self._viewer
         plan = viewer.plan
-        table = await self._levels(room, piece.frame, depth=piece.depth)
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on the outbox takes deltas of this frame, so that none is missed.
         self._hub.skipped(plan.sent(piece, viewer.now()))
         try:
-            ready = room.ready(piece, table) or await room.points(piece, table)
+            ready = room.stock.ready(piece) or await room.stock.messages(piece)
         except PointbrushError:
             plan.unsent(piece, held)
             raise
@@ -286,23 +243,10 @@ class Sender:
         else:
             # Older deltas go first, so that a viewer can apply messages in order of arrival.
             await self._deltas(revision)
-        self._note(room, piece, anew=anew)
+        plan.sending(piece, anew=anew)
         for frame in plan.coming(piece):
-            room.expect(frame, plan.level, depth=viewer.depth)
+            room.stock.expect(frame, plan.level, depth=viewer.depth)
         await viewer.send(head, data, before=values)
         plan.link.sent(nbytes, viewer.now(), idle=self._idle)
         self._idle = False
         self._hub.sent(nbytes)
-
-    def _note(self, room: Room, piece: Piece, *, anew: bool) -> None:
-        """Record the chunks of a large frame that are being sent."""
-        viewer = self._viewer
-        if not room.recording.manifest.large:
-            return
-        sent, chunks = set(range(piece.first, piece.stop)), viewer.plan.chunks
-        if anew:
-            chunks[piece.frame] = set()
-        if piece.frame in chunks:
-            chunks[piece.frame] |= sent
-        if viewer.wanted is not None and viewer.wanted[0] == piece.frame:
-            viewer.wanted[1][:] = [chunk for chunk in viewer.wanted[1] if chunk not in sent]

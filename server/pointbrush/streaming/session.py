@@ -235,8 +235,11 @@ class ViewerSession(Viewer):
     def _begin(self, room: Room, frame: int) -> None:
         """Start a sequence of which the viewer has no data."""
         self.outbox.restart()
-        self.plan = Plan(len(room.recording), self.plan.link, self.plan.load, self.plan.page)
-        self.plan.focus, self.wanted, self.resumed = frame, None, False
+        old, large = self.plan, room.recording.manifest.large
+        self.plan = Plan(
+            len(room.recording), old.link, old.load, old.page, focus=frame, large=large
+        )
+        self.resumed = False
 
     # ── messages ─────────────────────────────────────────────────────────────────────────
 
@@ -285,7 +288,7 @@ class ViewerSession(Viewer):
             held = message.held or []
             self.plan.held = {frame: chunks for frame, chunks in held if frame < frames}
             self.resumed = message.revision is not None and message.held is None
-        self.plan.focus, self.wanted = frame, None
+        self.plan.focus, self.plan.wanted = frame, (frame, [])
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.everything()
         self.outbox.presence.update(self.hub.presence.everybody(room.id))
@@ -356,7 +359,7 @@ class ViewerSession(Viewer):
         self.outbox.wake.set()
 
     def _want(self, message: messages.Want) -> None:
-        self.wanted = (self._require_frame(message.frame), list(message.chunks))
+        self.plan.wanted = self._require_frame(message.frame), list(message.chunks)
         self.outbox.wake.set()
 
     def _presence(self, message: messages.ClientPresence) -> None:

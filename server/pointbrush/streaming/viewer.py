@@ -57,8 +57,6 @@ class Viewer(ABC):
         self.room: Room | None = None
         self.outbox = Outbox()
         self.plan = Plan(frames=1, link=Link(CREDITS), load=load)
-        self.wanted: tuple[int, list[int]] | None = None
-        """A frame of a large sequence and its requested chunks, in order of urgency."""
         self.depth = False
         """The viewer's page reads depth images."""
         self.resumed = False

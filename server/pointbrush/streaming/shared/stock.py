@@ -1,4 +1,4 @@
-"""A recording's tables and points as stored on disk: views of mapped files, no copies.
+"""A recording's tables, and its pieces as sent: values, and points from mapped files.
 
 ``Shelf`` keeps the recently used frames of all rooms of a server open.
 """
@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import sys
 import time
 from collections import OrderedDict
@@ -13,9 +14,11 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from pointbrush.errors import PointbrushError
 from pointbrush.sequences import Sequence, StoredFrame
 from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.encoding import encode_depth, encode_frame
+from pointbrush.streaming.shared.values import Values
 from pointbrush.streaming.table import FrameTable, Piece
 
 MOST_FRAMES = 4096
@@ -28,6 +31,8 @@ Key = tuple[str, str]
 """A recording's id, as in messages, and the identity of its import."""
 PointsMessage = tuple[bytes, memoryview]
 """A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
+Ready = tuple[int, bytes, PointsMessage]
+"""The revision of a piece's values, their message, and the message of its points."""
 
 
 IN_MEMORY_SECONDS = 0.25
@@ -58,6 +63,11 @@ class OpenFrame:
     depth: FrameTable
     looked_at: bool = False
     heads: dict[tuple[int, int, bool], Head] = field(default_factory=dict)
+
+    def points_of(self, piece: Piece) -> tuple[int, int]:
+        """Return the first point of a piece, and its number of points."""
+        first = self.table.firsts[piece.first]
+        return first, self.table.firsts[piece.stop] - first
 
 
 class Shelf:
@@ -106,19 +116,25 @@ def most_frames() -> int:
 
 
 class Stock:
-    """Parts of an imported recording that never change.  Event loop only.
+    """The messages of an imported recording's frames, and their tables.  Event loop only.
 
     The system's page cache is the cache: bytes in memory are sent from there without a thread.  A
     thread opens each frame once, and reads bytes that are not in memory.
     """
 
     def __init__(
-        self, recording: Sequence, shelf: Shelf, run: Callable[..., Awaitable[Any]]
+        self,
+        recording: Sequence,
+        values: Values,
+        shelf: Shelf,
+        run: Callable[..., Awaitable[Any]],
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
         self.key: Key = recording.manifest.id, recording.identity
-        self._recording, self._shelf, self._run = recording, shelf, run
+        self._recording, self._values = recording, values
+        self._shelf, self._run = shelf, run
         self._opening: dict[int, asyncio.Task[OpenFrame]] = {}
+        self._expected: dict[tuple[int, int, bool], asyncio.Task[None]] = {}
         self._can_tell: bool | None = None
 
     def known_table(self, frame: int, *, depth: bool = False) -> FrameTable | None:
@@ -133,10 +149,13 @@ class Stock:
         found = await self._open(frame)
         return found.depth if depth else found.table
 
-    def known_message(self, piece: Piece) -> PointsMessage | None:
-        """Return the message of a piece's points if sending it does not wait for the disk."""
+    def ready(self, piece: Piece) -> Ready | None:
+        """Return the result of ``messages`` if it needs no read."""
         found = self._shelf.get((self.key, piece.frame))
         if found is None or found.stored.large:
+            return None
+        values = self._values.known(piece.frame, *found.points_of(piece))
+        if values is None:
             return None
         head, points = self._head(found, piece)
         now = time.monotonic()
@@ -144,11 +163,17 @@ class Stock:
             if not self._at_hand(found, points):
                 return None
             head.in_memory = now
-        return head.data, points
+        return *values, (head.data, points)
 
-    async def message(self, piece: Piece) -> PointsMessage:
-        """Return the message of a piece's points; a thread reads them if they are not in memory."""
+    async def messages(self, piece: Piece) -> Ready:
+        """Return the messages of a piece's values and points; threads read them where needed."""
         found = await self._open(piece.frame)
+        values, points = await asyncio.gather(
+            self._values.message(piece.frame, *found.points_of(piece)), self._points(found, piece)
+        )
+        return *values, points
+
+    async def _points(self, found: OpenFrame, piece: Piece) -> PointsMessage:
         if found.stored.large:
             # Read in the thread instead of mapped: sent bytes must not count as process memory.
             read: PointsMessage = await self._run(self._encode, found, piece)
@@ -158,6 +183,25 @@ class Stock:
             await self._run(read_in, points)
             found.looked_at = True
         return head.data, points
+
+    def expect(self, frame: int, level: int, *, depth: bool = False) -> None:
+        """Prepare the messages of a frame up to a level before a viewer needs them.
+
+        Otherwise the viewers that play a recording for the first time would wait at each frame.
+        """
+        table = self.known_table(frame, depth=depth)
+        if table is not None and self.ready(table.first_piece(frame, level)) is not None:
+            return
+        key = frame, level, depth
+        if key not in self._expected:
+            task = self._expected[key] = asyncio.create_task(self._make(*key))
+            task.add_done_callback(lambda _: self._expected.pop(key))
+
+    async def _make(self, frame: int, level: int, depth: bool) -> None:
+        # The viewer that needs the frame gets the error.
+        with contextlib.suppress(PointbrushError):
+            table = await self.table(frame, depth=depth)
+            await self.messages(table.first_piece(frame, level))
 
     def _head(self, found: OpenFrame, piece: Piece) -> tuple[Head, memoryview]:
         """Return the cached head of a piece, and its points; for frames that are not large."""
