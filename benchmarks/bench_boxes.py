@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 from box_scenes import DGP, Case, Floats, argoverse, dgp, generated, sustech
 
-from pointbrush.box_overlap import iou_3d
 from pointbrush.fitting import BUILT_IN, FittedBox, Observation, fit_box, priors_of
 from pointbrush.formats.writers.boxes import upright_box
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.box_overlap import iou_3d
+from pointbrush.geometry.quaternions import rotation_of
 
 FAR, MANY = 2.0, 100
 """Metres of motion, and points in a frame, that show the front of a vehicle."""

@@ -21,7 +21,7 @@ from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.readers.feather import argoverse_poses, read_feather, read_table
 from pointbrush.formats.readers.pcd import read_pcd
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.quaternions import rotation_of
 from pointbrush.samples.traffic import traffic
 from pointbrush.sequences.floor import find_floor
 

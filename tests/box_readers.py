@@ -21,8 +21,8 @@ import numpy as np
 
 from pointbrush.formats.boxes.scene import Scene, SceneFrame, View, by_frame
 from pointbrush.formats.boxes.writing import BOX_WRITERS
-from pointbrush.oriented_box import BoxPose, OrientedBox
-from pointbrush.quaternions import quaternion_of
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.quaternions import quaternion_of
 
 GOLDEN = Path(__file__).parent / "golden" / "boxes"
 CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "pointbrush-box-readers"

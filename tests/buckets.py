@@ -9,7 +9,7 @@ import boto3
 import pytest
 from moto.server import ThreadedMotoServer
 
-from pointbrush import worker
+from pointbrush.jobs import worker
 
 _numbers = itertools.count()
 

@@ -11,7 +11,7 @@ import pytest
 from httpx._config import DEFAULT_TIMEOUT_CONFIG
 from hypothesis import HealthCheck, settings
 
-from pointbrush import worker
+from pointbrush.jobs import worker
 from tests import measured
 from tests.forked import FORKSERVER
 from tests.waiting import PATIENCE

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pointbrush.box_overlap import iou_3d, iou_matrix, shared_volume
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.box_overlap import iou_3d, iou_matrix, shared_volume
+from pointbrush.geometry.quaternions import rotation_of
 
 Floats = NDArray[np.float64]
 

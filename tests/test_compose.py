@@ -13,7 +13,7 @@ import pytest
 import yaml
 
 from pointbrush.cli import parser
-from pointbrush.settings import options
+from pointbrush.settings.settings import options
 
 ROOT = Path(__file__).parent.parent
 DEPLOY = ROOT / "deploy"

@@ -20,11 +20,11 @@ from typing import Any
 import pytest
 from distributed import LocalCluster
 
-from pointbrush import worker
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
-from pointbrush.worker import Channel, DaskExecutor, brief_logs
+from pointbrush.jobs import worker
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.worker import Channel, DaskExecutor, brief_logs
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually
@@ -224,7 +224,7 @@ def test_unknown_jobs_are_not_found(runner: JobRunner) -> None:
 def test_workers_end_when_the_server_is_killed() -> None:
     script = (
         "import os, sys, time\n"
-        "from pointbrush.worker import Workers\n"
+        "from pointbrush.jobs.worker import Workers\n"
         "future = Workers(1, '').submit(os.getpid)\n"
         "print(future.result(), flush=True)\n"
         "time.sleep(60)\n"

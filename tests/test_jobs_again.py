@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.worker import Channel
 from pointbrush.sequences import verify
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
-from pointbrush.worker import Channel
 from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
 from tests.waiting import PATIENCE, eventually

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from pointbrush.errors import UnavailableError
-from pointbrush.jobs import JobRunner
-from pointbrush.system import NO_THREAD
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.system.resources import NO_THREAD
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 from tests.test_jobs import Count, Seen, seen, submit  # noqa: F401  # a fixture

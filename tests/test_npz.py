@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.npz import checked, read_npz
+from pointbrush.exchange.npz import checked, read_npz
 
 MOST = 1 << 20
 

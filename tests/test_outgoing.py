@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 import pytest
 
 from pointbrush.errors import BadInputError, ForbiddenError, UnavailableError
-from pointbrush.outgoing import Answer, Bounds, exchange, is_public, parse_url
+from pointbrush.exchange.outgoing import Answer, Bounds, exchange, is_public, parse_url
 from tests.waiting import PATIENCE
 
 BOUNDS = Bounds(seconds=1.0, answer_bytes=1000)

@@ -15,7 +15,7 @@ import pytest
 from pointbrush.cli import main, parser
 from pointbrush.client import Client
 from pointbrush.commands.grammar import VERBS
-from pointbrush.settings import CLIENTS, LOCAL, REMOTE, SERVERS
+from pointbrush.settings.command_sets import CLIENTS, LOCAL, REMOTE, SERVERS
 from tests.serving import TOKEN, Served, serving, settings_in
 
 

@@ -8,7 +8,9 @@ import pytest
 
 from pointbrush.cli import parser
 from pointbrush.errors import BadInputError
-from pointbrush.settings import CLIENTS, DOCS, Settings, documented, options
+from pointbrush.settings.command_sets import CLIENTS
+from pointbrush.settings.documentation import DOCS, documented
+from pointbrush.settings.settings import Settings, options
 
 
 def test_command_line_over_environment_over_default() -> None:

@@ -11,9 +11,9 @@ from contextlib import closing, nullcontext
 from pointbrush.commands.grammar import parser
 from pointbrush.commands.places import place_of
 from pointbrush.errors import PointbrushError
-from pointbrush.options import hide_password
-from pointbrush.permissions import private_files
-from pointbrush.settings import Settings, options
+from pointbrush.settings.definitions import hide_password
+from pointbrush.settings.settings import Settings, options
+from pointbrush.system.permissions import private_files
 
 __all__ = ["main", "parser"]
 

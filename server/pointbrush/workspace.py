@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from pointbrush import formats
 from pointbrush.database.database import Limits
 from pointbrush.errors import BadInputError, ReadOnlyError
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.lazy import once
-from pointbrush.permissions import ServerPaths, make_private
 from pointbrush.sequences import Manifest
 from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
-from pointbrush.system import require_room
+from pointbrush.system.permissions import ServerPaths, make_private
+from pointbrush.system.resources import require_room
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work import exporting, thumbnails
 from pointbrush.work.annotate import flooring

@@ -10,7 +10,7 @@ import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.fitting import FittedBox, Observation, fit_box, priors_of
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.quaternions import rotation_of
 from tests.fitting.cars import SIZE, UP, Floats, placed, seen
 
 

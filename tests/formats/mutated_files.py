@@ -33,11 +33,11 @@ from PIL import Image
 from pointbrush.errors import PointbrushError
 from pointbrush.formats import Limits
 from pointbrush.formats.tables.class_maps import read_map
+from pointbrush.jobs.worker import Channel
 from pointbrush.sequences import open_sequence
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.imports.label_reading import LabelRequest, ReadLabelsWork
-from pointbrush.worker import Channel
 from tests.formats.mutation_bases import Base, bases, recording
 
 SPACE = 2 << 30

@@ -20,8 +20,8 @@ from pointbrush.formats import EXPORTS, export
 from pointbrush.formats.boxes.conventions import CONVENTIONS
 from pointbrush.formats.boxes.writing import BOX_WRITERS
 from pointbrush.formats.times.matching import Origin
-from pointbrush.oriented_box import BoxPose, OrientedBox
-from pointbrush.quaternions import quaternion_of
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.quaternions import quaternion_of
 from pointbrush.sequences import import_frames
 from tests.conftest import SHARED
 from tests.formats import (

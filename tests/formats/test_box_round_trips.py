@@ -26,8 +26,8 @@ from pointbrush.formats.boxes.scene import (
     tracked,
 )
 from pointbrush.formats.boxes.writing import ATTRIBUTES, BOX_WRITERS, HEADING, OBJECTS
-from pointbrush.oriented_box import UNKNOWN_OCCLUSION, BoxPose, OrientedBox
-from pointbrush.quaternions import quaternion_of, rotation_of
+from pointbrush.geometry.oriented_box import UNKNOWN_OCCLUSION, BoxPose, OrientedBox
+from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 
 CLASSES = {1: "vehicle", 2: "pedestrian", 3: "vehicle"}
 COLORS = {"vehicle": "#ff8800", "pedestrian": "#00ffaa"}

@@ -16,10 +16,10 @@ from sqlalchemy import text
 from pointbrush.database.database import Database
 from pointbrush.database.schema import MIGRATIONS
 from pointbrush.errors import BadInputError, ConflictError, LockedLabelError, NotFoundError
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import BoxEdit, Label, Write
 from pointbrush.labels.boxes.maps import fields_of
 from pointbrush.labels.classes.palette import Palette
-from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.teamwork.store import WorkspaceStore
 
 SEQUENCE = "juggling"

@@ -11,7 +11,7 @@ import pytest
 from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import UnavailableError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.labels import Write
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from pointbrush import worker
+from pointbrush.jobs import worker
 from pointbrush.work.loops.compiling import DONE, STEPS, Progress, Report, StepName, hold
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run

@@ -16,7 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pointbrush.errors import UnavailableError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.labels import effect
 from pointbrush.streaming import hub as hub_module
 from pointbrush.streaming import outbox, sender

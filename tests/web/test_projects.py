@@ -12,7 +12,7 @@ import pytest
 
 from pointbrush.client import AsyncClient, Client
 from pointbrush.errors import BadInputError, ConflictError, ForbiddenError, NotFoundError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
 from tests.streaming.client import viewer
 

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from pointbrush.accounts.roles import ROLES, includes
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.web.app import create_app

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.system import NO_THREAD
+from pointbrush.system.resources import NO_THREAD
 from pointbrush.web.routes import frames
 from pointbrush.work.exporting import SENT, source_columns
 from tests.serving import Served, add_sequence, serving, settings_in

@@ -14,7 +14,7 @@ from postgres import postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.cli import main
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.settings import Settings, variables
+from pointbrush.settings.settings import Settings, variables
 from pointbrush.web.app import create_app
 from pointbrush.work.backups import backup
 from pointbrush.work.backups.series import BackupSchedule, BackupSeries

@@ -13,9 +13,9 @@ import pytest
 from pointbrush.formats import EXPORTS
 from pointbrush.formats.boxes.writing import ATTRIBUTES, HEADING, OBJECTS
 from pointbrush.frame import PointFrame
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 from pointbrush.labels import Label
-from pointbrush.oriented_box import BoxPose, OrientedBox
-from pointbrush.quaternions import quaternion_of, rotation_of
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

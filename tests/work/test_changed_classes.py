@@ -16,8 +16,8 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.formats import EXPORTS
 from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.frame import PointFrame
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import Category, Label
-from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.teamwork.projects import Change

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_book import JobBook, record_of
 from tests.test_jobs import Count

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Write
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackState
 from pointbrush.work.tracking.job import TrackingWork
 from pointbrush.work.tracking.options import RunOptions
-from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.sequences import import_frames
 from pointbrush.work.events import Event, Provisional
 from pointbrush.workspace import Workspace

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.formats.tables.corrections import Corrections
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE

@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError, PointbrushError
 from pointbrush.frame import PointFrame
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import import_frames
 from pointbrush.tracking import FrameResult
 from pointbrush.work.tracking.job import LEAD, PendingEdit, TrackingWork, lead, prepare
 from pointbrush.work.tracking.options import RunOptions
-from pointbrush.worker import Channel
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 

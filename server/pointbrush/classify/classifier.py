@@ -33,7 +33,7 @@ from pointbrush.classify.options import (
 from pointbrush.classify.reliability import DEFAULT_ABOVE, HeldOut, Taught, reliability
 from pointbrush.classify.smoothing import Chances, decided, smoothed, voted
 from pointbrush.errors import BadInputError
-from pointbrush.npz import Arrays, checked, read_npz
+from pointbrush.exchange.npz import Arrays, checked, read_npz
 
 Floats = NDArray[np.float64]
 

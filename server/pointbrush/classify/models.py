@@ -19,7 +19,7 @@ from pointbrush.classify.features import Described, ExampleFrame
 from pointbrush.classify.grid import means
 from pointbrush.classify.options import MOST_CLASSES, NAME_LENGTH
 from pointbrush.errors import BadInputError, UnavailableError
-from pointbrush.npz_service import NpzService
+from pointbrush.exchange.npz_service import NpzService
 
 Features = NDArray[np.float32]
 GROUP = "pointbrush.classifiers"

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from pointbrush.commands.answers import Answer
 from pointbrush.errors import BadInputError
-from pointbrush.options import UNBOUNDED
+from pointbrush.settings.definitions import UNBOUNDED
 
 Run: TypeAlias = Callable[[argparse.Namespace, Any], Answer | None]
 """Runs a command with its given arguments at a place, see ``places.Place``."""
@@ -29,7 +29,7 @@ class Verb:
     """A command: its name, its one-line description, its arguments and its function.
 
     A dataclass among ``arguments`` stands for a flag for each of its fields, see
-    ``options.choice``.
+    ``definitions.choice``.
     """
 
     name: str

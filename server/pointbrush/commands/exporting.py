@@ -19,8 +19,8 @@ from pointbrush.errors import BadInputError
 if TYPE_CHECKING:
     from pointbrush.client import Box, ExportFormat, Label, Snapshot
     from pointbrush.commands.local import Written
+    from pointbrush.geometry.oriented_box import OrientedBox
     from pointbrush.labels.versions import Version
-    from pointbrush.oriented_box import OrientedBox
     from pointbrush.work.palettes import CountedLabel
 
 Labels: TypeAlias = "Iterable[CountedLabel | Label]"

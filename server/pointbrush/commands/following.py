@@ -8,10 +8,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pointbrush.errors import CancelledError, PointbrushError
-from pointbrush.job import ENDED
+from pointbrush.jobs.job import ENDED
 
 if TYPE_CHECKING:
-    from pointbrush import client, job
+    from pointbrush import client
+    from pointbrush.jobs import job
 
 TICK = 0.1
 """Seconds between two polls."""

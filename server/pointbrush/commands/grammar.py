@@ -20,8 +20,9 @@ from pointbrush.commands import (
 )
 from pointbrush.commands.arguments import Argument, Verb, argument, positive, verb
 from pointbrush.errors import BadInputError
-from pointbrush.options import Option, options_of
-from pointbrush.settings import CLIENTS, EVERYWHERE, GROUPS, STORES, options
+from pointbrush.settings.command_sets import CLIENTS, EVERYWHERE, GROUPS, STORES
+from pointbrush.settings.definitions import Option, options_of
+from pointbrush.settings.settings import options
 
 HIDDEN = "Options of the database and of object storage: docs/options.md"
 
@@ -77,7 +78,7 @@ def _fill(command: argparse.ArgumentParser, each: Verb) -> None:
 
 
 def _add_choices(command: argparse.ArgumentParser, kind: type) -> None:
-    """Add a flag for each choice of a dataclass, see ``options.choice``."""
+    """Add a flag for each choice of a dataclass, see ``definitions.choice``."""
     for each in options_of(kind):
         how: dict[str, Any] = {"default": each.default, "help": each.definition.help}
         if each.kind is bool:

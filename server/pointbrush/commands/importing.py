@@ -12,7 +12,7 @@ from pointbrush.commands.arguments import SEQUENCE, argument, positive, switch, 
 from pointbrush.commands.places import Place, finished
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.corrections import Corrections
-from pointbrush.options import chosen
+from pointbrush.settings.definitions import chosen
 from pointbrush.work.imports.options import LabelOptions
 
 

@@ -14,7 +14,7 @@ from pointbrush.settings import Settings
 
 if TYPE_CHECKING:
     from pointbrush.accounts.people import Account
-    from pointbrush.job import Job
+    from pointbrush.jobs.job import Job
     from pointbrush.labels.versions import Version
     from pointbrush.work.classifiers.front import ClassifierFront
     from pointbrush.work.classifiers.service import About

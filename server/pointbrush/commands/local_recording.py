@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pointbrush.job import Job
-    from pointbrush.oriented_box import OrientedBox
+    from pointbrush.geometry.oriented_box import OrientedBox
+    from pointbrush.jobs.job import Job
     from pointbrush.sequences import Manifest
     from pointbrush.work.listing import Listed
     from pointbrush.work.palettes import CountedLabel

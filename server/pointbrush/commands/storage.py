@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 from pointbrush.commands.answers import Answer, confirmed
 from pointbrush.commands.arguments import ONE_OR_ALL, argument, switch, verb
 from pointbrush.errors import BadInputError, UnavailableError
-from pointbrush.options import has_password
-from pointbrush.permissions import open_to_others
-from pointbrush.settings import seconds_of
+from pointbrush.settings.definitions import has_password
+from pointbrush.settings.settings import seconds_of
+from pointbrush.system.permissions import open_to_others
 
 if TYPE_CHECKING:
     from pointbrush.commands.local import LocalClient

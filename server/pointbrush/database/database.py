@@ -35,7 +35,7 @@ from pointbrush.database.statements import (
     insert,
 )
 from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
-from pointbrush.permissions import file_writable, writable
+from pointbrush.system.permissions import file_writable, writable
 
 if TYPE_CHECKING:
     import psycopg  # slow to import; SQLAlchemy imports it for PostgreSQL

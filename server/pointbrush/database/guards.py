@@ -20,7 +20,7 @@ from pointbrush.database.database import Database
 from pointbrush.database.revisions import find_revision
 from pointbrush.database.schema import works
 from pointbrush.errors import ConflictError, NotFoundError, UnavailableError
-from pointbrush.system import process_alive
+from pointbrush.system.resources import process_alive
 
 log = logging.getLogger(__name__)
 

@@ -30,7 +30,7 @@ _JSON = ("result", "request")
 
 @dataclass(frozen=True, slots=True)
 class JobRecord:
-    """A job as stored; the first fields are the same as in ``pointbrush.jobs.Job``."""
+    """A job as stored; the first fields are the same as in ``pointbrush.jobs.job.Job``."""
 
     id: str
     kind: str

@@ -10,7 +10,7 @@ from sqlalchemy import Connection
 
 from pointbrush.database.database import Database
 from pointbrush.errors import UnavailableError
-from pointbrush.system import shortages_in_words
+from pointbrush.system.resources import shortages_in_words
 
 SETTLE_SECONDS = 10.0
 """Longest wait for a lost database until the result of a write can be looked up."""

@@ -21,7 +21,7 @@ from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.parked import Level, fit_still
 from pointbrush.fitting.priors import SizePrior
 from pointbrush.fitting.yaw import upright
-from pointbrush.quaternions import quaternion_of
+from pointbrush.geometry.quaternions import quaternion_of
 
 Floats = NDArray[np.float64]
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.exchange.npz import read_npz as read_arrays
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.readers.kitti import read_label
 from pointbrush.formats.readers.npy import read_array
@@ -25,7 +26,6 @@ from pointbrush.formats.tables.label_values import number_of
 from pointbrush.formats.tables.numbers import is_number, parse_numbers
 from pointbrush.formats.tables.palette import own_palette
 from pointbrush.formats.writers.about import ROW
-from pointbrush.npz import read_npz as read_arrays
 
 Numbers = NDArray[np.int64]
 PANOPTIC = 1000

@@ -13,6 +13,7 @@ from sqlalchemy import Connection
 from pointbrush.database import schema
 from pointbrush.database.statements import driver_of
 from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import journal, undo
 from pointbrush.labels.boxes import journal as box_journal
 from pointbrush.labels.classes import palette
@@ -23,7 +24,6 @@ from pointbrush.labels.journal import Entry, Told
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
-from pointbrush.oriented_box import OrientedBox
 
 ID_LIMIT = 128
 AUTHOR_LIMIT = 256

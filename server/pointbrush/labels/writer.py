@@ -29,7 +29,7 @@ from pointbrush.labels.packing import States
 from pointbrush.labels.state import SequenceState, cell_of
 from pointbrush.labels.types import Commit
 from pointbrush.labels.undo import keep_used_labels
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 
 TOGETHER = 32
 """Limit of edits in one transaction."""

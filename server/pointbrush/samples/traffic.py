@@ -13,8 +13,8 @@ from itertools import product
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.oriented_box import BoxPose, OrientedBox
-from pointbrush.quaternions import quaternion_of
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.quaternions import quaternion_of
 from pointbrush.samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush.samples.geometry import Array, inverse, rigid, vec, yaw
 from pointbrush.samples.render import Solid

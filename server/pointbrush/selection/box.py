@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.quaternions import quaternion_of, rotation_of
+from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 from pointbrush.selection.points import Alive, Points
 from pointbrush.selection.shape import Numbers, Parameter, Parts, Selecting, Shape, Values
 

@@ -21,7 +21,7 @@ from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.system import shortages_in_words
+from pointbrush.system.resources import shortages_in_words
 from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects import ObjectStroke
 from pointbrush.work.tracking.options import RunOptions

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from pointbrush.errors import BadInputError
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import Delta, FrameValues
 from pointbrush.labels.boxes.maps import fields_of
-from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Chunk, StoredFrame
 from pointbrush.streaming import messages
 from pointbrush.streaming.messages import ClientMessage, Message

@@ -13,7 +13,7 @@ import anyio
 import anyio.to_thread
 
 from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
@@ -24,7 +24,7 @@ from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.system import shortages_in_words
+from pointbrush.system.resources import shortages_in_words
 from pointbrush.work.events import (
     ClassesRenamed,
     Compiling,

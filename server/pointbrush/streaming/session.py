@@ -23,7 +23,7 @@ from pointbrush.errors import (
     UnauthorizedError,
     UnavailableError,
 )
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack

@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable, Iterable, Sequence
 from typing import Protocol
 
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.load import Load

@@ -10,7 +10,7 @@ import threading
 import time
 
 from pointbrush.errors import PointbrushError, UnavailableError
-from pointbrush.outgoing import Bounds, exchange, parse_url, resolve
+from pointbrush.exchange.outgoing import Bounds, exchange, parse_url, resolve
 from pointbrush.teamwork.webhooks import TOPICS, Delivery, Topic, Webhook, Webhooks
 
 log = logging.getLogger(__name__)

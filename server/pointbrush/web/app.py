@@ -19,7 +19,7 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
 from pointbrush import __version__
-from pointbrush.settings import Settings, variables
+from pointbrush.settings.settings import Settings, variables
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket

@@ -24,7 +24,7 @@ from pointbrush.errors import (
     TooManyRequestsError,
     UnauthorizedError,
 )
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
 from pointbrush.web.browser_accounts import BrowserAccounts, new_account

@@ -12,7 +12,7 @@ from typing import Any
 from starlette.types import Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from pointbrush.system import most_connections
+from pointbrush.system.resources import most_connections
 from pointbrush.web.problems import problem
 
 HEARD_OUT = 32

@@ -20,7 +20,7 @@ from pointbrush.errors import (
 )
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 from pointbrush.web.auth import Gate, bearer_of
 from pointbrush.web.clients import RateLimit
 from pointbrush.web.problems import LONGEST_PATH, problem_of

@@ -14,7 +14,7 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, TooLargeError
-from pointbrush.npz import read_header
+from pointbrush.exchange.npz import read_header
 from pointbrush.streaming.shared.status import MalformedError
 
 MEDIA_TYPE = "application/x-npy"

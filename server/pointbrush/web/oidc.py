@@ -38,7 +38,7 @@ from pointbrush.errors import (
     UnauthorizedError,
     UnavailableError,
 )
-from pointbrush.outgoing import Answer, Bounds, exchange
+from pointbrush.exchange.outgoing import Answer, Bounds, exchange
 from pointbrush.settings import Settings
 from pointbrush.web.clients import is_loopback
 

@@ -19,7 +19,7 @@ from starlette.routing import compile_path
 from pointbrush import errors
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import status_of
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 
 logger = logging.getLogger(__name__)
 

@@ -16,7 +16,7 @@ from pointbrush.formats.tables.corrections import (
     parse_corrections,
 )
 from pointbrush.formats.tables.names import DELIMITERS
-from pointbrush.options import chosen
+from pointbrush.settings.definitions import chosen
 from pointbrush.streaming.messages import FrameIndex, LabelId, Matrix4, Uuid
 from pointbrush.tracking import METHODS
 from pointbrush.web.context import SEQUENCE_ID, one_of

@@ -13,7 +13,7 @@ from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import ViewerSession
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 from pointbrush.web.admissions import Admissions
 from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of

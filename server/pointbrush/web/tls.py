@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pointbrush.errors import BadInputError, ReadOnlyError
-from pointbrush.permissions import writable
 from pointbrush.settings import Settings
+from pointbrush.system.permissions import writable
 
 CERTIFICATE_DAYS = 90
 RENEW_DAYS = 14

@@ -19,7 +19,6 @@ from typing import Any
 
 from pointbrush.errors import PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
-from pointbrush.permissions import make_private
 from pointbrush.sequences import Manifest, clean_temporary
 from pointbrush.sequences.storage.bucket import Bucket
 from pointbrush.sequences.storage.bucket_files import BucketFiles
@@ -31,6 +30,7 @@ from pointbrush.sequences.storage.manifest import (
     parse_manifest,
 )
 from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.system.permissions import make_private
 from pointbrush.work.folder_store import Progress, make_folder
 
 log = logging.getLogger(__name__)

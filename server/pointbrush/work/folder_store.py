@@ -12,12 +12,12 @@ from typing import Any, Protocol
 
 from pointbrush.errors import BadInputError, ReadOnlyError, UnavailableError
 from pointbrush.labels import Known
-from pointbrush.permissions import writable
 from pointbrush.sequences import Manifest, clean_temporary, update_manifest
 from pointbrush.sequences.storage.files import room_for, staged, sync_folder
 from pointbrush.sequences.storage.frame_files import FRAMES
 from pointbrush.sequences.storage.manifest import FILE
 from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
+from pointbrush.system.permissions import writable
 from pointbrush.work.trash import Trash
 
 Progress = Callable[[float, str], None]

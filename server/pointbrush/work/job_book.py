@@ -12,8 +12,8 @@ from typing import Any
 
 from pointbrush.database.job_records import STALE_SECONDS, JobRecord, Wish
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
-from pointbrush.job import ENDED, Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import ENDED, Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.imports.requests import UPLOAD

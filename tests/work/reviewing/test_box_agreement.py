@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
+from pointbrush.geometry.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.labels import Write
-from pointbrush.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.sequences import import_frames, open_sequence
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.reviewing.checking import Checker

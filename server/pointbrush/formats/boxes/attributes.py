@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pointbrush.oriented_box import Attributes, AttributeValue
+from pointbrush.geometry.oriented_box import Attributes, AttributeValue
 
 
 def word_of(value: AttributeValue) -> str:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.boxes.rotations import euler_angles, euler_matrix
-from pointbrush.oriented_box import Attributes
-from pointbrush.quaternions import quaternion_of, rotation_of
+from pointbrush.geometry.oriented_box import Attributes
+from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 
 Floats = NDArray[np.float64]
 Turn = Literal["xyz", "zyx", "y", "z", "wxyz", "xyzw"]

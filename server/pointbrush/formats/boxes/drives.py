@@ -17,7 +17,7 @@ from pointbrush.formats.geometry.poses import of_quaternion
 from pointbrush.formats.options import Limits, require_count
 from pointbrush.formats.readers.feather import PLACE, read_table
 from pointbrush.formats.readers.nuscenes import rigid, rows_by_token, tables_in, world_from_sensor
-from pointbrush.oriented_box import AttributeValue
+from pointbrush.geometry.oriented_box import AttributeValue
 
 SIZES = ("length_m", "width_m", "height_m")
 WORDS = ("category", "track_uuid")

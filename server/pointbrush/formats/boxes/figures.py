@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.geometry.oriented_box import Attributes
 from pointbrush.names import spelled_out
-from pointbrush.oriented_box import Attributes
 
 Floats = NDArray[np.float64]
 log = logging.getLogger(__name__)

@@ -14,7 +14,7 @@ from pointbrush.formats.boxes.attributes import value_of
 from pointbrush.formats.boxes.conventions import box_by
 from pointbrush.formats.boxes.documents import document, vector
 from pointbrush.formats.boxes.figures import Figure, FrameBoxes, PointFigure
-from pointbrush.oriented_box import AttributeValue
+from pointbrush.geometry.oriented_box import AttributeValue
 
 FRAME_MAP = "frame_pointcloud_map.json"
 """Supervisely's file of an episode: index of a frame → name of its file of points."""

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.oriented_box import (
+from pointbrush.geometry.oriented_box import (
     UNKNOWN_OCCLUSION,
     Attributes,
     AttributeValue,
     BoxPose,
     OrientedBox,
 )
-from pointbrush.quaternions import quaternion_of, rotation_of
+from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 
 Floats = NDArray[np.float64]
 DIGITS = 8

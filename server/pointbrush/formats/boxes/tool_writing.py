@@ -15,7 +15,7 @@ from pointbrush.formats.boxes.editors import PSR, SIDES
 from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.boxes.projects import CUBOID, FRAME_MAP
 from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
-from pointbrush.oriented_box import AttributeValue
+from pointbrush.geometry.oriented_box import AttributeValue
 
 Place = tuple[list[float], list[float], list[float]]
 

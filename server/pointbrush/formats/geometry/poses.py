@@ -24,7 +24,7 @@ from pointbrush.formats.tables.names import POSES
 from pointbrush.formats.tables.numbers import is_number
 from pointbrush.formats.times.matching import FrameName, matched, partners
 from pointbrush.formats.times.timing import lines_of, natural_key, read_times, seconds_of
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.quaternions import rotation_of
 
 log = logging.getLogger(__name__)
 CAMERA_KEYS = ("Tr", "Tr_velo_to_cam", "Tr_velo_cam")

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import AXES, DELIMITERS, POSES
-from pointbrush.options import choice
+from pointbrush.settings.definitions import choice
 
 if TYPE_CHECKING:
     from pointbrush.frame import PointFrame

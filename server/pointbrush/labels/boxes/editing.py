@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from pointbrush.errors import ConflictError, NotFoundError
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels.boxes import journal as box_journal
 from pointbrush.labels.boxes.attributes import check_given
 from pointbrush.labels.boxes.maps import asked, box_of, fields_of
@@ -17,7 +18,6 @@ from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.plans import SUMMARY_LIMIT, new_entry
 from pointbrush.labels.types import Commit
 from pointbrush.labels.writer import Writer
-from pointbrush.oriented_box import OrientedBox
 
 
 @dataclass(frozen=True, slots=True)

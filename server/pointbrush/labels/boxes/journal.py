@@ -14,12 +14,12 @@ from sqlalchemy import Connection, Row, Select, and_, func, select
 from pointbrush.database.database import CHUNK
 from pointbrush.database.schema import IN_FORCE, boxes, edit_boxes, edits
 from pointbrush.errors import ConflictError
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels.boxes.maps import Fields, box_of, changed_by, difference, fields_of
 from pointbrush.labels.classes import palette
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.types import Label
 from pointbrush.labels.writes import locked_error
-from pointbrush.oriented_box import OrientedBox
 
 MOST_BOXES = 20_000
 """Of a recording."""

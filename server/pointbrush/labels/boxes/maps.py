@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.geometry.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.names import require_visible
-from pointbrush.oriented_box import AttributeValue, BoxPose, OrientedBox
 
 Fields = dict[str, Any]
 """``label``, ``size``, ``poses`` by frame, ``attributes``, ``provenance`` and ``heading_known`` of

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.npz import Arrays, checked, read_npz
+from pointbrush.exchange.npz import Arrays, checked, read_npz
 from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind

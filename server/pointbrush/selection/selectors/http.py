@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, UnavailableError
-from pointbrush.npz import Arrays, checked, read_npz
-from pointbrush.npz_service import NpzService
+from pointbrush.exchange.npz import Arrays, checked, read_npz
+from pointbrush.exchange.npz_service import NpzService
 from pointbrush.selection.objects import ObjectFrame
 from pointbrush.selection.selectors.interface import Mask, Region, StateLostError
 

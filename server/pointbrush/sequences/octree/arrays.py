@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
 from pointbrush.sequences.storage.files import write_file
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 
 MAGIC = b"PBARRAY2"
 _MAGICS = (MAGIC, b"PBARRAY1")  # which has plain arrays only

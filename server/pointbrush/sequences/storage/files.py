@@ -12,7 +12,7 @@ from pathlib import Path
 from uuid import uuid4
 
 from pointbrush.errors import ConflictError, PointbrushError, UnavailableError
-from pointbrush.system import FULL, process_alive
+from pointbrush.system.resources import FULL, process_alive
 
 _TEMPORARY = re.compile(r"\.tmp-(\d+)-[0-9a-f]{32}")
 _FULL = FULL | {errno.EROFS, errno.EIO}

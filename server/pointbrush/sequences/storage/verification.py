@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pointbrush.errors import DamagedError, UnavailableError
-from pointbrush.system import shortage
+from pointbrush.system.resources import shortage
 
 log = logging.getLogger(__name__)
 

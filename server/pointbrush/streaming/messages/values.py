@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from pointbrush.accounts.roles import Role as Role
+from pointbrush.geometry.oriented_box import BoxProvenance
 from pointbrush.labels.boxes.maps import NAME_LIMIT, TEXT_LIMIT
-from pointbrush.oriented_box import BoxProvenance
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
 from pointbrush.selection.shape import (

@@ -16,8 +16,8 @@ from starlette.exceptions import HTTPException
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.formats.tables.names import LABEL_FORMATS
-from pointbrush.job import Job
-from pointbrush.options import chosen
+from pointbrush.jobs.job import Job
+from pointbrush.settings.definitions import chosen
 from pointbrush.streaming.messages import Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, Gate, resource

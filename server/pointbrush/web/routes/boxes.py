@@ -7,9 +7,9 @@ from typing import Annotated, Any
 from fastapi import Path, Query, Response
 from pydantic import BaseModel, Field
 
+from pointbrush.geometry.oriented_box import BoxProvenance
 from pointbrush.labels import Made
 from pointbrush.labels.boxes.maps import MOST_ATTRIBUTES, box_of
-from pointbrush.oriented_box import BoxProvenance
 from pointbrush.streaming.encoding import box_message
 from pointbrush.streaming.messages import (
     AttributeName,

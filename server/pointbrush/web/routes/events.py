@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from fastapi import Query, Request
 
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.labels import EditInfo
 from pointbrush.web.auth import resource
 from pointbrush.web.context import WholeSequence, Ws

@@ -22,7 +22,7 @@ from pointbrush.database.backup import back_up, move, restore, restore_file, res
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.names import is_plain
 from pointbrush.sequences.storage.manifest import rename_sequence
-from pointbrush.system import shortages_in_words
+from pointbrush.system.resources import shortages_in_words
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library

@@ -18,7 +18,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from pointbrush.errors import ConflictError, UnavailableError
-from pointbrush.settings import seconds_of
+from pointbrush.settings.settings import seconds_of
 from pointbrush.work.backups.backup import is_backup
 
 log = logging.getLogger(__name__)

@@ -17,17 +17,17 @@ from pointbrush.fitting import (
     fit_box,
     priors_of,
 )
-from pointbrush.job import MESSAGE, Job
-from pointbrush.jobs import JobRunner
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
+from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore
 from pointbrush.labels.boxes.editing import BoxEdit
-from pointbrush.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.observing import observed
-from pointbrush.worker import Channel
 
 READING = 0.7
 """Approximate share of a job's time for reading frames."""

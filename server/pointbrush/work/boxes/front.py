@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.work.boxes.fitting_job import FitRequest, Fits
 from pointbrush.work.exporting import parse_frames

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from pointbrush.errors import BadInputError
+from pointbrush.geometry.oriented_box import OrientedBox
+from pointbrush.geometry.quaternions import rotation_of
 from pointbrush.labels import Commit, Write
 from pointbrush.labels.types import PAINTED, Only
-from pointbrush.oriented_box import OrientedBox
-from pointbrush.quaternions import rotation_of
 from pointbrush.selection.box import box as points_in
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.painted_frame import frame_points

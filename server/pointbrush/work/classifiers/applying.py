@@ -14,8 +14,9 @@ from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError
-from pointbrush.job import MESSAGE, Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
@@ -30,7 +31,6 @@ from pointbrush.work.classifiers.frames import example_frame, pieces
 from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import label_of
 from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
-from pointbrush.worker import Channel
 
 SUREST = 255
 

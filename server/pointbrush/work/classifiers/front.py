@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.classify.models import Models
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.labels import LabelStore
 from pointbrush.work.classifiers.applying import ApplyRequest, Predictions
 from pointbrush.work.classifiers.options import ApplyOptions

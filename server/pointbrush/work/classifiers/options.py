@@ -7,7 +7,7 @@ from typing import Any
 
 from pointbrush.classify.options import DoubtOptions, FeatureOptions, ForestOptions
 from pointbrush.errors import BadInputError
-from pointbrush.options import choice
+from pointbrush.settings.definitions import choice
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,12 +11,12 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.geometry.oriented_box import OrientedBox
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED
-from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen

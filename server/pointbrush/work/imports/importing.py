@@ -18,12 +18,12 @@ from pointbrush.formats.tables.palette import own_labels
 from pointbrush.formats.times.matching import Origin, listed
 from pointbrush.formats.times.timing import ASSUMED
 from pointbrush.frame import PointFrame
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
 from pointbrush.work.folder_store import ImportTarget
-from pointbrush.worker import Channel
 
 PART_POINTS = 1_000_000
 """Number of points of a large scan that are in memory per step."""

@@ -39,6 +39,7 @@ from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.formats.times.matching import FrameName, frames_of_numbers, match, matched
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels.boxes.journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
@@ -49,7 +50,6 @@ from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
 from pointbrush.work.imports.requests import LABELS, UPLOAD
-from pointbrush.worker import Channel
 
 log = logging.getLogger(__name__)
 MICRO = 1e6

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.scene import SAME_SIZE
+from pointbrush.geometry.oriented_box import OrientedBox
+from pointbrush.geometry.quaternions import rotation_of
 from pointbrush.labels.boxes.maps import box_of, fields_of
-from pointbrush.oriented_box import OrientedBox
-from pointbrush.quaternions import rotation_of
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.label_reading import FoundBoxes
 

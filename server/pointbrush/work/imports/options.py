@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import LABEL_FORMATS
-from pointbrush.options import choice
+from pointbrush.settings.definitions import choice
 
 BOTH, KEEP, POINTS = "both", "keep", "points"
 BOX_CHOICES = (BOTH, KEEP, POINTS)

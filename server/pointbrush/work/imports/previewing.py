@@ -24,6 +24,7 @@ from pointbrush.formats.ros.bag import SENSOR
 from pointbrush.formats.source import Source, open_source, reported
 from pointbrush.formats.times.timing import ASSUMED
 from pointbrush.frame import PointFrame
+from pointbrush.jobs.worker import local_processes
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.work.imports.importing import (
@@ -34,7 +35,6 @@ from pointbrush.work.imports.importing import (
     up_source,
 )
 from pointbrush.work.imports.requests import ImportRequest
-from pointbrush.worker import local_processes
 
 TOLD = 100
 """Limit of listed files."""

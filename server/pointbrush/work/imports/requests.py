@@ -12,7 +12,7 @@ from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.timing import natural_key
-from pointbrush.job import ENDED, Job
+from pointbrush.jobs.job import ENDED, Job
 
 UPLOAD = "upload"
 """Key in a job's request: the folder of its uploaded files, or None."""

@@ -19,8 +19,9 @@ from pointbrush.errors import (
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.job import Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import Job
+from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.worker import Work
 from pointbrush.lazy import once
 from pointbrush.names import composed, require_visible
 from pointbrush.sequences import Manifest
@@ -33,7 +34,6 @@ from pointbrush.work.imports.source_labels import SourceLabels
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
-from pointbrush.worker import Work
 
 if TYPE_CHECKING:
     from pointbrush.work.imports.annotating import LabelImports

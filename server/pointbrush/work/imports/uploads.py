@@ -13,7 +13,7 @@ from pathlib import Path
 
 from pointbrush.database.guards import host
 from pointbrush.errors import UnavailableError
-from pointbrush.system import process_alive
+from pointbrush.system.resources import process_alive
 
 BEAT_SECONDS = 5.0
 STALE_SECONDS = 60.0

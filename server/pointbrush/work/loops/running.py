@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import wait
 
+from pointbrush.jobs.worker import end_processes, local_processes
 from pointbrush.work.events import Compiling
 from pointbrush.work.loops.compiling import (
     DONE,
@@ -19,7 +20,6 @@ from pointbrush.work.loops.compiling import (
     progress_of,
 )
 from pointbrush.work.prepare import ensure_compiled
-from pointbrush.worker import end_processes, local_processes
 
 logger = logging.getLogger(__name__)
 

@@ -18,6 +18,7 @@ from functools import partial
 from pathlib import Path
 
 from pointbrush.errors import PointbrushError
+from pointbrush.jobs.worker import local_processes
 from pointbrush.selection.selectors import StoredSelector, make_selector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
@@ -25,7 +26,6 @@ from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import object_frame
 from pointbrush.work.prepare import ensure_compiled
-from pointbrush.worker import local_processes
 
 logger = logging.getLogger(__name__)
 

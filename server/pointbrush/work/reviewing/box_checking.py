@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import DamagedError
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import LabelStore
-from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.reviewing.checks import boxes as checks
 from pointbrush.work.reviewing.checks.boxes import BoxSketch, sketch_boxes

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.box_overlap import iou_matrix
+from pointbrush.geometry.box_overlap import iou_matrix
+from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import Label, LabelStore
-from pointbrush.oriented_box import OrientedBox
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.reviewing.comparing import require_same_points
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
+from pointbrush.jobs.worker import Channel
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
@@ -28,7 +29,6 @@ from pointbrush.work.loops.compiling import Progress, StepName
 from pointbrush.work.prepare import ensure_compiled
 from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of
-from pointbrush.worker import Channel
 
 LOOPS: tuple[StepName, ...] = ("things",)
 """Steps of compiling that a run waits for; the few other loops are compiled at first use."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from pointbrush.errors import BadInputError
-from pointbrush.options import choice, chosen
+from pointbrush.settings.definitions import choice, chosen
 
 Overwrite = Literal["never", "tracked", "all"]
 

@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from pointbrush.database.guards import TRACKING
-from pointbrush.job import MESSAGE, Job
-from pointbrush.jobs import JobRunner
+from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.runner import JobRunner
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.tracking import FrameResult

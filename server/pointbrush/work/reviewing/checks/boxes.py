@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.box_overlap import shared_volume
-from pointbrush.oriented_box import BoxPose, OrientedBox
+from pointbrush.geometry.box_overlap import shared_volume
+from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
 from pointbrush.work.reviewing.checks.positions import Place, as_place
 

@@ -23,8 +23,8 @@ from typing import Any, Protocol, TypeVar
 from urllib.parse import urlsplit
 
 from pointbrush.errors import BadInputError, CancelledError, PointbrushError, UnavailableError
-from pointbrush.permissions import private_files
-from pointbrush.system import shortage
+from pointbrush.system.permissions import private_files
+from pointbrush.system.resources import shortage
 
 logger = logging.getLogger(__name__)
 

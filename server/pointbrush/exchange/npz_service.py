@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, PointbrushError, UnavailableError
-from pointbrush.npz import Arrays, checked, read_npz
-from pointbrush.outgoing import Bounds, exchange, parse_url
+from pointbrush.exchange.npz import Arrays, checked, read_npz
+from pointbrush.exchange.outgoing import Bounds, exchange, parse_url
 
 MEDIA_TYPE = "application/x-npz"
 AT_ONCE = 4

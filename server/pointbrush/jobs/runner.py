@@ -20,9 +20,8 @@ from multiprocessing.connection import Connection, Listener
 from typing import Any
 
 from pointbrush.errors import CancelledError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.job import ENDED, MESSAGE, Job, JobState, KnownJobs
-from pointbrush.system import shortage, shortages_in_words
-from pointbrush.worker import (
+from pointbrush.jobs.job import ENDED, MESSAGE, Job, JobState, KnownJobs
+from pointbrush.jobs.worker import (
     DisconnectedError,
     Work,
     Workers,
@@ -32,6 +31,7 @@ from pointbrush.worker import (
     sentence,
     tell,
 )
+from pointbrush.system.resources import shortage, shortages_in_words
 
 logger = logging.getLogger(__name__)
 DRAIN_SECONDS = 60

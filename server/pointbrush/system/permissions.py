@@ -73,7 +73,7 @@ class ServerPaths:
 
     def __init__(self, *folders: Path) -> None:
         """``folders``: the workspace and the sources of imports."""
-        own = (Path.cwd(), Path.home(), Path(tempfile.gettempdir()), Path(__file__).parent)
+        own = (Path.cwd(), Path.home(), Path(tempfile.gettempdir()), Path(__file__).parents[1])
         found = {folder.absolute() for folder in (*folders, *own, Path(sys.prefix))}
         found |= {folder.resolve() for folder in found}
         # Longest first, as folders may be nested.

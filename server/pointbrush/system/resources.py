@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pointbrush.errors import UnavailableError
-from pointbrush.permissions import FORBIDDEN
+from pointbrush.system.permissions import FORBIDDEN
 
 FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 FILES = frozenset({errno.EMFILE, errno.ENFILE})

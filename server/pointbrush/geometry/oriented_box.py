@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.quaternions import rotation_of
+from pointbrush.geometry.quaternions import rotation_of
 
 Floats = NDArray[np.float64]
 BoxProvenance = Literal["fitted", "drawn", "imported"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, get_type_hints
 from urllib.parse import parse_qs, urlsplit
@@ -18,7 +18,6 @@ from pointbrush.errors import BadInputError
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
 WORKSPACE = "workspace"
-HEAD = ("| flag | variable | default | commands | meaning |", "|---|---|---|---|---|")
 DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
 
@@ -117,32 +116,6 @@ def options_of(kind: type) -> tuple[Option, ...]:
         Option(each.name, hints[each.name], each.default, each.metadata["definition"])
         for each in fields(kind)
     )
-
-
-def markdown(
-    options: Sequence[Option], groups: Sequence[str], command_sets: Mapping[tuple[str, ...], str]
-) -> str:
-    """Return a heading and a table for each of ``groups``, ending in a newline.
-
-    ``command_sets``: names of the sets of commands that take an option.
-    """
-    parts = []
-    for group in groups:
-        members = [each for each in options if each.definition.group == group]
-        rows = [_row(each, command_sets[each.definition.where]) for each in members]
-        title = f"{group[0].upper()}{group[1:]}"
-        parts.append("\n".join([f"## {title}", "", *HEAD, *rows]) + "\n")
-    return "\n".join(parts)
-
-
-def _row(each: Option, commands: str) -> str:
-    definition = each.definition
-    text = definition.help
-    if definition.client_help:
-        text += f"; in client commands: {definition.client_help}"
-    default = f"`{each.shown_default}`" if each.shown_default else "–"
-    cells = (f"`{each.flag}`", f"`{each.variable}`", default, commands, text.replace("|", "\\|"))
-    return f"| {' | '.join(cells)} |"
 
 
 def _switch(text: str) -> bool:

@@ -1,8 +1,4 @@
-"""The options of pointbrush, each defined once; ``options.py`` defines an option.
-
-``python -m pointbrush.settings`` writes the tables of docs/options.md; a test fails when they are
-stale.
-"""
+"""All options of pointbrush, from which flags, variables and docs/options.md are derived."""
 
 from __future__ import annotations
 
@@ -15,47 +11,24 @@ from typing import Any
 from urllib.parse import quote
 
 from pointbrush.errors import BadInputError
-from pointbrush.options import PREFIX, WORKSPACE, Option, markdown, option, options_of
-
-SERVERS = ("demo", "serve")
-REMOTE = (
-    "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
-    "delete", "undelete", "rename", "check-labels", "compare", "report", "token",
-)  # fmt: skip
-"""Commands that work on the workspace of this machine, or on that of a server."""
-LOCAL = ("check", "backup", "restore", "review", "move")
-"""Commands that need the folder of the workspace."""
-CLIENTS = (*REMOTE, "project", "task", "webhook", "undo")
-"""Commands that work on a server; the commands that are not in ``REMOTE`` need one."""
-EVERYWHERE = (*REMOTE, *LOCAL, *SERVERS)
-"""Commands that open a workspace."""
-KEEPERS = ("backup", *SERVERS)
-"""Commands that make backups."""
-READERS = ("import", "import-labels", *SERVERS)
-"""Commands that read points of files."""
-RUNNERS = ("track", "example", *SERVERS)
-"""Commands that run jobs."""
-STORES = ("check", "backup", "restore", "move", *SERVERS)
-"""Commands with the storage options in their help; the other commands take them as well."""
-COMMAND_SETS = {
-    EVERYWHERE: "workspace",
-    CLIENTS: "clients",
-    (*CLIENTS, *SERVERS): "clients, servers",
-    SERVERS: "servers",
-    KEEPERS: "`backup`, servers",
-    READERS: "`import`, `import-labels`, servers",
-    RUNNERS: "`track`, `example`, servers",
-}
-"""Names of sets of commands in docs/options.md."""
-STORAGE, ADDRESS, ACCESS = "storage", "address and TLS", "access"
-JOBS, BACKUPS, LIMITS = "work", "backups", "limits"
-GROUPS = (WORKSPACE, STORAGE, ADDRESS, ACCESS, JOBS, BACKUPS, LIMITS)
-"""Headings of options, in their order."""
+from pointbrush.settings.command_sets import (
+    ACCESS,
+    ADDRESS,
+    BACKUPS,
+    CLIENTS,
+    EVERYWHERE,
+    JOBS,
+    KEEPERS,
+    LIMITS,
+    READERS,
+    RUNNERS,
+    SERVERS,
+    STORAGE,
+    STORES,
+)
+from pointbrush.settings.definitions import PREFIX, Option, option, options_of
 
 UNIT_SECONDS = {"m": 60.0, "h": 3_600.0, "d": 86_400.0}
-
-DOCS = Path(__file__).parents[2] / "docs" / "options.md"
-BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End. -->\n"
 
 
 @dataclass(frozen=True)
@@ -418,17 +391,3 @@ def variables(settings: Settings, command: str) -> dict[str, str]:
     taken = [each for each in options() if each.taken_by(command)]
     own = {each.variable: str(getattr(settings, each.name)) for each in taken}
     return {f"{PREFIX}SERVER": "", **own}
-
-
-def documented(text: str) -> str:
-    """Return ``text`` of docs/options.md with new tables between its two marks."""
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    sets = (("servers", SERVERS), ("clients", CLIENTS), ("workspace", EVERYWHERE))
-    names = [f"- {name}: `{'`, `'.join(commands)}`\n" for name, commands in sets]
-    tables = markdown(options(), GROUPS, COMMAND_SETS)
-    return "".join((before, begin, *names, "\n", tables, end, after))
-
-
-if __name__ == "__main__":
-    DOCS.write_text(documented(DOCS.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,1 @@
+"""Checked arrays and HTTP calls, for data of other programs."""

@@ -1,0 +1,1 @@
+"""Oriented boxes, their overlap, and rotations as quaternions."""

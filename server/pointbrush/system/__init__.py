@@ -1,0 +1,1 @@
+"""Permissions of files, and the resources that the system gives to this process."""
