@@ -33,8 +33,8 @@ from scipy.spatial import cKDTree
 from pointbrush.classify.features import ExampleFrame, describe
 from pointbrush.classify.forest import learn
 from pointbrush.classify.options import FeatureOptions, ForestOptions
-from pointbrush.samples.classes import Classified, classified_room, classified_tile
 from pointbrush.sequences import import_frames
+from pointbrush_samples.classes import Classified, classified_room, classified_tile
 
 AT = (10, 20, 40, 80)
 """Strokes after which the scores are taken."""

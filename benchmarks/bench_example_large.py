@@ -23,10 +23,10 @@ from scipy.spatial import cKDTree
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import PAINTED
-from pointbrush.samples.classes import Classified, classified_tile
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from pointbrush_samples.classes import Classified, classified_tile
 
 TILES = 4
 EDGE = 130.0

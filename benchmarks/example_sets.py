@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.formats import read
 from pointbrush.frame import PointFrame
-from pointbrush.samples.classes import Classified
+from pointbrush_samples.classes import Classified
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "realdata"
 AERIAL = ("ground", "vegetation", "building")

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.samples import generate
-from pointbrush.samples.contacts import contact_view
-from pointbrush.samples.scanning import Labelled, home_scan, room_scan, room_view
-from pointbrush.samples.street import street
 from pointbrush.selection.objects import ObjectFrame
 from pointbrush.sensor_kind import SensorKind
+from pointbrush_samples.contacts import contact_view
+from pointbrush_samples.scanning import Labelled, home_scan, room_scan, room_view
+from pointbrush_samples.street import street
 
 REALDATA = Path(__file__).parent.parent.parent / "shared" / "realdata"
 HELD_OUT = 900

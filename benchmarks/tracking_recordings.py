@@ -21,8 +21,8 @@ from tracking_frames import LEAST, Frame, store, stored, with_trees
 from pointbrush.cli import main
 from pointbrush.frame import PointFrame
 from pointbrush.samples import generate, write
-from pointbrush.samples.driving import drive
 from pointbrush.sequences import StoredFrame, open_sequence
+from pointbrush_samples.driving import drive
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "realdata"
 DGP = ("dgp_scene_01", "dgp_scene_02")

@@ -16,8 +16,8 @@ import httpx
 import numpy as np
 from playwright.sync_api import Browser
 
-from pointbrush.samples.traffic import TrueTraffic, traffic
 from pointbrush.sequences import import_frames
+from pointbrush_samples.traffic import TrueTraffic, traffic
 from tests.e2e.desk import Desk, launch
 
 SEED, FRAMES = 3, 3

@@ -13,9 +13,9 @@ from playwright.sync_api import Browser
 
 from docs.box_pictures import FRAMES, SEED, SIZE, TOKEN, serving
 from pointbrush.client import Client
-from pointbrush.samples.traffic import TrueTraffic, traffic
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from pointbrush_samples.traffic import TrueTraffic, traffic
 from tests.e2e.desk import Desk, launch
 
 NOTE = "the mirror of this car is missing"

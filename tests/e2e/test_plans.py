@@ -14,9 +14,9 @@ from playwright.sync_api import Browser
 from pointbrush.formats import read
 from pointbrush.frame import PointFrame
 from pointbrush.samples.aerial import BUILDING, aerial_tile
-from pointbrush.samples.scanning import room_scan
-from pointbrush.samples.street import street
 from pointbrush.sequences import import_frames
+from pointbrush_samples.scanning import room_scan
+from pointbrush_samples.street import street
 from tests.conftest import SHARED
 from tests.e2e.desk import Desk, launch
 from tests.e2e.server import LiveServer

@@ -17,17 +17,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import pointbrush_samples
 from pointbrush import samples
 from pointbrush.samples.aerial import AerialOptions, aerial_tile
-from pointbrush.samples.contacts import contact_view
-from pointbrush.samples.driving import drive
 from pointbrush.samples.generating import generate, small_camera
 from pointbrush.samples.reproducible import asin, atan2, cos, cosines, sin, sines
-from pointbrush.samples.scanning import FUSED, WIDE, Labelled, home_scan, room_scan, room_view
-from pointbrush.samples.street import street
-from pointbrush.samples.traffic import traffic
+from pointbrush_samples.contacts import contact_view
+from pointbrush_samples.driving import drive
+from pointbrush_samples.scanning import FUSED, WIDE, Labelled, home_scan, room_scan, room_view
+from pointbrush_samples.street import street
+from pointbrush_samples.traffic import traffic
 
-SOURCES = Path(samples.__file__).parent
+SOURCES = [
+    path
+    for package in (samples, pointbrush_samples)
+    for path in Path(package.__file__).parent.glob("*.py")
+]
 HASHES: Mapping[str, str] = {
     "crowd": "a9e2ece799098ae5",
     "juggling": "2078760412fc6092",
@@ -126,7 +131,9 @@ def test_every_kind_is_the_same_whatever_the_processor_can(name: str) -> None:
     assert json.loads(child.stdout) == HASHES
 
 
-@pytest.mark.parametrize("path", sorted(SOURCES.glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted(SOURCES), ids=lambda path: f"{path.parent.name}.{path.stem}"
+)
 def test_samples_use_no_arithmetic_that_depends_on_the_processor(path: Path) -> None:
     found = [line for line in path.read_text().splitlines() if PROCESSOR_DEPENDENT.search(line)]
     assert found == [] or path.stem == "reproducible"

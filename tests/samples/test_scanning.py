@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pointbrush.errors import BadInputError
-from pointbrush.samples.interior import HOME, Interior
-from pointbrush.samples.scanning import FUSED, Labelled, home_scan
+from pointbrush_samples.interior import HOME, Interior
+from pointbrush_samples.scanning import FUSED, Labelled, home_scan
 
 SMALL = replace(FUSED, points=30_000, views=6)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pointbrush.samples.traffic import TrueTraffic, traffic
+from pointbrush_samples.traffic import TrueTraffic, traffic
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pointbrush.samples.driving import drive
 from pointbrush.tracking import Seed
+from pointbrush_samples.driving import drive
 from tests.work.known_truth import imported, overlap, tracked
 
 COMING = 5

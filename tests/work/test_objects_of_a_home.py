@@ -11,10 +11,10 @@ import pytest
 from numpy.typing import NDArray
 
 from pointbrush.cli import main
-from pointbrush.samples.scanning import FUSED, Labelled, home_scan
 from pointbrush.selection.objects import candidates, prepare
 from pointbrush.sequences import open_sequence
 from pointbrush.work.objects.frames import object_frame
+from pointbrush_samples.scanning import FUSED, Labelled, home_scan
 
 LARGEST = 12
 """Objects that are clicked."""

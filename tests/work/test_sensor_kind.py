@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from pointbrush.cli import main
 from pointbrush.samples import generate
-from pointbrush.samples.scanning import room_scan, room_view
-from pointbrush.samples.street import street
 from pointbrush.selection.objects import ObjectFrame
 from pointbrush.sequences import open_sequence
 from pointbrush.work.objects.frames import object_frame
+from pointbrush_samples.scanning import room_scan, room_view
+from pointbrush_samples.street import street
 
 ORIGIN = (0.0, 0.0, 0.0)
 

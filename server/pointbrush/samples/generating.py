@@ -6,9 +6,10 @@ On disk a recording is one .npz per frame with its truth, and a JSON file with c
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +17,17 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.samples.aerial import CLASSES, aerial_tile
 from pointbrush.samples.crowd import CrowdOptions, CrowdScene
 from pointbrush.samples.jugglers import JugglingOptions, JugglingScene
-from pointbrush.samples.recording import Recording, Scene
+from pointbrush.samples.recording import LabelInfo, Lazy, Recording, Scene
 from pointbrush.samples.sensor import FPS, Sensor
 from pointbrush.samples.tabletop import TabletopOptions, TabletopScene
 from pointbrush.samples.walkers import WalkingOptions, WalkingScene
 
 ARRAYS = ("xyz", "rgb", "pixel", "viewpoint", "timestamp")
+MOST_TILES = 4
+"""Limit of the number of tiles of land in an aerial sample."""
 
 
 def _juggling(seed: int, seconds: float, **options: Any) -> Scene:
@@ -82,6 +86,52 @@ def generate(
         raise BadInputError(f"options of {kind}: {error}") from None
     name = kind.capitalize() + (f" {seed}" if seed else "")
     return Recording(name, scene, frames, seed, rate, Sensor(noise=noise))
+
+
+class Sample(Protocol):
+    """A generated recording."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def fps(self) -> float:
+        """Frames a second."""
+
+    @property
+    def frames(self) -> Sequence[PointFrame]:
+        """All frames, made on access."""
+
+    @property
+    def labels(self) -> Sequence[LabelInfo]:
+        """The palette."""
+
+
+@dataclass(frozen=True, slots=True)
+class Aerial:
+    """Tiles of land, one a frame, side by side."""
+
+    seed: int
+    count: int
+    name: str = "Aerial"
+    fps: float = 1.0
+    labels: Sequence[LabelInfo] = CLASSES
+
+    @property
+    def frames(self) -> Sequence[PointFrame]:
+        """The tiles, without their classes."""
+        return Lazy(self.count, lambda i: replace(aerial_tile(self.seed + i), label=None))
+
+
+def sample(kind: str, seed: int, frames: int) -> Sample:
+    """Return a sample of a kind; raises BadInputError for an unknown one.
+
+    ``frames``: number of frames, or of tiles of land, at most four.
+    """
+    if kind == "aerial":
+        return Aerial(seed, min(frames, MOST_TILES))
+    return generate(kind, seed=seed, frames=frames)
 
 
 def write(

@@ -131,7 +131,7 @@ class SampleWork:
 
     def __call__(self, channel: Channel) -> None:
         """Generate and store frame by frame."""
-        from pointbrush.samples.kinds import sample
+        from pointbrush.samples.generating import sample
 
         recording = sample(self.kind, self.seed, self.frames)
         with self.target.building(channel.progress) as folder:
@@ -159,7 +159,7 @@ def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> l
 
     Returns warnings: none.
     """
-    from pointbrush.samples.kinds import sample
+    from pointbrush.samples.generating import sample
 
     sequence = recording.manifest.id
     admits = store.choosing(sequence).admits

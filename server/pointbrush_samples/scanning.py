@@ -26,12 +26,12 @@ from pointbrush.samples.geometry import (
     unit,
     vec,
 )
-from pointbrush.samples.interior import HOME, Interior
 from pointbrush.samples.lighting import Lamp, Lights, ambient_light, lamp_light
 from pointbrush.samples.render import Caster, Solid
 from pointbrush.samples.reproducible import cos, draw_normal, matmul, norms, sin
 from pointbrush.samples.sensor import KINECT, Sensor, develop, measure, pixel_rays
 from pointbrush.samples.textures import noise
+from pointbrush_samples.interior import HOME, Interior
 
 WIDE = DepthCamera(width=288, height=216, fx=190.0, fy=190.0, cx=143.5, cy=107.5)
 """The camera that is carried through a room to scan it."""

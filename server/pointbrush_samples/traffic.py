@@ -15,14 +15,15 @@ import numpy as np
 from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.geometry.quaternions import quaternion_of
-from pointbrush.samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
+from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush.samples.geometry import Array, inverse, rigid, vec, yaw
 from pointbrush.samples.render import Solid
 from pointbrush.samples.reproducible import cos, matmul, norm, norms, sin
-from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import spin
 from pointbrush.samples.shapes import Ball, Box, RoundCone
-from pointbrush.samples.street import cyclist, pedestrian, vehicle
+from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
+from pointbrush_samples.scanning import Labelled
+from pointbrush_samples.street import cyclist, pedestrian, vehicle
 
 AXLE = 0.28
 """Share of a vehicle's length from its middle back to the axle that does not steer."""

@@ -8,14 +8,14 @@ from typing import NamedTuple
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.samples.furniture import colour
 from pointbrush.samples.geometry import Array, along, rigid, vec, yaw
 from pointbrush.samples.render import Solid, block, disc, egg, rod
 from pointbrush.samples.reproducible import draw_normal, matmul, sines
-from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import Spinner, spin
 from pointbrush.samples.shapes import Cylinder
 from pointbrush.samples.textures import Material, matte
+from pointbrush_samples.furniture import colour
+from pointbrush_samples.scanning import Labelled
 
 LENGTH = 75.0
 """Metres of street before and behind the sensor."""

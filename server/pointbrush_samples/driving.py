@@ -12,9 +12,9 @@ from pointbrush.frame import PointFrame
 from pointbrush.samples.geometry import Array, rigid, vec
 from pointbrush.samples.render import Solid
 from pointbrush.samples.reproducible import matmul
-from pointbrush.samples.scanning import Labelled
 from pointbrush.samples.sensor import Spinner, spin
-from pointbrush.samples.street import Rng, Street, vehicle
+from pointbrush_samples.scanning import Labelled
+from pointbrush_samples.street import Rng, Street, vehicle
 
 LIDAR = Spinner(farthest=80.0)
 HEIGHT = 1.73

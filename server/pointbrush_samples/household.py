@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 
-from pointbrush.samples.furniture import (
+from pointbrush.samples.geometry import vec
+from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, sin
+from pointbrush.samples.textures import matte
+from pointbrush_samples.furniture import (
     AT_WALLS,
     STANDING,
     WHITE,
@@ -17,10 +21,6 @@ from pointbrush.samples.furniture import (
     material,
     table,
 )
-from pointbrush.samples.geometry import vec
-from pointbrush.samples.render import Solid, block, disc, egg, rod
-from pointbrush.samples.reproducible import cos, sin
-from pointbrush.samples.textures import matte
 
 
 def counter(rng: Rng) -> Furniture:

@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from functools import partial
 
-from pointbrush.samples.furniture import (
+from pointbrush.samples.geometry import axis_angle, rigid, vec
+from pointbrush.samples.render import Solid, block, disc, egg, rod
+from pointbrush.samples.reproducible import cos, sin
+from pointbrush.samples.shapes import Box
+from pointbrush.samples.textures import Material, matte, poster
+from pointbrush_samples.furniture import (
     WHITE,
     Furniture,
     Makers,
@@ -18,11 +23,6 @@ from pointbrush.samples.furniture import (
     material,
     screen,
 )
-from pointbrush.samples.geometry import axis_angle, rigid, vec
-from pointbrush.samples.render import Solid, block, disc, egg, rod
-from pointbrush.samples.reproducible import cos, sin
-from pointbrush.samples.shapes import Box
-from pointbrush.samples.textures import Material, matte, poster
 
 
 def wall_cabinet(rng: Rng) -> Furniture:

@@ -8,8 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.samples.fittings import ON_TOPS, ON_WALLS, rug
-from pointbrush.samples.furniture import (
+from pointbrush.samples.geometry import Array, rigid, vec, yaw
+from pointbrush.samples.people import body
+from pointbrush.samples.posture import LOOKS, Posture, hanging_hands, standing_feet
+from pointbrush.samples.render import Solid, block
+from pointbrush.samples.reproducible import matmul
+from pointbrush.samples.textures import Material, matte
+from pointbrush_samples.fittings import ON_TOPS, ON_WALLS, rug
+from pointbrush_samples.furniture import (
     AT_WALLS,
     STANDING,
     Furniture,
@@ -20,13 +26,7 @@ from pointbrush.samples.furniture import (
     material,
     screen,
 )
-from pointbrush.samples.geometry import Array, rigid, vec, yaw
-from pointbrush.samples.household import HOME_AT_WALLS, HOME_STANDING
-from pointbrush.samples.people import body
-from pointbrush.samples.posture import LOOKS, Posture, hanging_hands, standing_feet
-from pointbrush.samples.render import Solid, block
-from pointbrush.samples.reproducible import matmul
-from pointbrush.samples.textures import Material, matte
+from pointbrush_samples.household import HOME_AT_WALLS, HOME_STANDING
 
 TRIES = 25
 """Places that are tried for a piece of furniture."""

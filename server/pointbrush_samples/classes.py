@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.samples.aerial import CLASSES, aerial_tile
-from pointbrush.samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush.samples.geometry import rigid, vec
-from pointbrush.samples.interior import Interior
-from pointbrush.samples.scanning import ScanOptions, scan_of
 from pointbrush.samples.sensor import spin
+from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
+from pointbrush_samples.interior import Interior
+from pointbrush_samples.scanning import ScanOptions, scan_of
 
 STREET = ("ground", "building", "vehicle", "person", "fixture", "vegetation")
 ROOM = ("floor", "ceiling", "wall", "furniture")

@@ -9,13 +9,13 @@ import numpy as np
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera
-from pointbrush.samples.furniture import Furniture, Rng, clutter, colour, material
 from pointbrush.samples.geometry import Array, rigid, vec, yaw
 from pointbrush.samples.render import Solid, block
 from pointbrush.samples.reproducible import cos, draw_normal, matmul, sin
-from pointbrush.samples.scanning import Labelled, look_at, view_of
 from pointbrush.samples.sensor import KINECT, Sensor
 from pointbrush.samples.textures import matte
+from pointbrush_samples.furniture import Furniture, Rng, clutter, colour, material
+from pointbrush_samples.scanning import Labelled, look_at, view_of
 
 
 @dataclass(frozen=True, slots=True)
