@@ -90,7 +90,7 @@ def run(root: Path) -> None:
         print(f"taught by {sum(made.examples.values()):,} cells of {made.cell:.2f} m in "
               f"{time.perf_counter() - start:.1f} s", flush=True)  # fmt: skip
         start = time.perf_counter()
-        job = workspace.classifiers.apply(NAME, author="bench", classifier=made.id)
+        job = workspace.predictions.start(NAME, author="bench", classifier=made.id)
         ended = workspace.runner.wait(job.id, PATIENCE)
         assert ended.state == "done", ended.error
         took = time.perf_counter() - start

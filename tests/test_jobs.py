@@ -25,6 +25,7 @@ from pointbrush.jobs import worker
 from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner
 from pointbrush.jobs.worker import Channel, DaskExecutor, brief_logs
+from pointbrush.jobs import JobRunner, Receiver
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually
@@ -51,21 +52,18 @@ class Count:
             os._exit(1)
 
 
-class Seen:
+class Seen(Receiver):
     """Everything that a runner told us."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.jobs: list[Job] = []
-        self.items: list[Any] = []
         self.finished: list[bool] = []
         self.done = 0
 
     def finish(self, _: Job, cancelled: bool) -> dict[str, Any]:
         self.finished.append(cancelled)
         return {"items": len(self.items)}
-
-    def item(self, _: Job, value: Any) -> None:
-        self.items.append(value)
 
     def end(self, _: Job) -> None:
         self.done += 1
@@ -122,7 +120,7 @@ def runner(seen: Seen, scheduler: str) -> Iterator[JobRunner]:
 
 
 def submit(runner: JobRunner, seen: Seen, work: Count) -> Job:
-    return runner.submit(Job("tracking", "s"), work, seen.finish, seen.item, seen.end)
+    return runner.submit(Job("tracking", "s"), work, seen)
 
 
 def test_a_job_reports_and_hands_over_everything_before_it_finishes(
@@ -145,7 +143,7 @@ class Priority:
 
 def test_work_gives_way_to_the_server(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
-        job = runner.submit(Job("tracking", "s"), Priority(), seen.finish, seen.item)
+        job = runner.submit(Job("tracking", "s"), Priority(), seen)
         assert runner.wait(job.id, PATIENCE).state == "done"
     server = os.getpriority(os.PRIO_PROCESS, 0)
     assert seen.items[0] > server or server == 19  # which nothing can give way to
@@ -166,7 +164,7 @@ class Mark:
 def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         runner.make_ready(leave_a_mark)
-        job = runner.submit(Job("tracking", "s"), Mark(), seen.finish, seen.item)
+        job = runner.submit(Job("tracking", "s"), Mark(), seen)
         assert runner.wait(job.id, PATIENCE).state == "done"
     assert seen.items == ["ready"]
     others = multiprocessing.active_children()

@@ -16,6 +16,8 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.sequences import verify
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
+from pointbrush.jobs import JobRunner, Receiver
+from pointbrush.work.imports.requests import ImportRequest
 from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures
 from tests.waiting import PATIENCE, eventually
@@ -43,11 +45,8 @@ def test_a_job_whose_worker_died_is_begun_once_more(
     tmp_path: Path,
 ) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)) as runner:
-        job = runner.submit(
-            Job("tracking", "s"), DieOnce(tmp_path / "died"), seen.finish, seen.item, seen.end,
-            restart=lambda _: seen.items.clear(),
-        )  # fmt: skip
-        other = runner.submit(Job("tracking", "t"), Count(2), lambda _job, _cancelled: {})
+        job = runner.submit(Job("tracking", "s"), DieOnce(tmp_path / "died"), seen)
+        other = runner.submit(Job("tracking", "t"), Count(2), Receiver())
         job, other = runner.wait(job.id, PATIENCE), runner.wait(other.id, PATIENCE)
     assert (job.state, job.error, other.state) == ("done", None, "done")
     assert seen.items == list(range(6))
@@ -77,7 +76,7 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
 
 
 def submit(runner: JobRunner, seen: Seen) -> Job:  # noqa: F811
-    return runner.submit(Job("tracking", "s"), Count(2), seen.finish, seen.item, seen.end)
+    return runner.submit(Job("tracking", "s"), Count(2), seen)
 
 
 @dataclass(frozen=True)
@@ -101,10 +100,10 @@ def test_an_import_whose_worker_died_at_the_end_is_made_anew(
     (tmp_path / "scan.xyz").write_text("1 2 3\n4 5 6\n")
     target = tmp_path / "sequences" / "scan"
     target.parent.mkdir()
-    work = ImportWork((tmp_path / "scan.xyz",), FolderTarget(target), "scan")
+    work = ImportWork(ImportRequest((tmp_path / "scan.xyz",)), FolderTarget(target), "scan")
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         died = DieAtTheEnd(work, tmp_path / "died")
-        job = runner.submit(Job("import", "scan"), died, seen.finish, seen.item, seen.end)
+        job = runner.submit(Job("import", "scan"), died, seen)
         job = runner.wait(job.id, PATIENCE)
     assert (job.state, job.error) == ("done", None)
     assert (tmp_path / "died").exists()

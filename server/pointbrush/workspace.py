@@ -45,6 +45,7 @@ from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
 from pointbrush.work.imports.requests import IMPORT, LABELS, SAMPLE
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.job_book import Begin, JobBook
+from pointbrush.work.job_service import JobContext
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops.running import Loops
@@ -54,8 +55,9 @@ from pointbrush.work.tracking import TRACK
 
 if TYPE_CHECKING:
     from pointbrush.teamwork.delivering import Hooks
-    from pointbrush.work.boxes.front import Fitting
-    from pointbrush.work.classifiers.front import ClassifierFront
+    from pointbrush.work.boxes.fitting_job import Fitting
+    from pointbrush.work.classifiers.applying import Predictions
+    from pointbrush.work.classifiers.service import Classifiers
     from pointbrush.work.projects.agreeing import Agreeing
     from pointbrush.work.projects.queue import Queue
     from pointbrush.work.projects.service import Projects
@@ -98,11 +100,11 @@ class Workspace:
         )
         self.imports: Imports
         begin: dict[str, Begin] = {
-            IMPORT: lambda job: self.imports.again(job),
-            SAMPLE: lambda job: self.imports.again(job),
-            LABELS: lambda job: self.imports.labels_again(job),
+            IMPORT: lambda job: self.imports.files.again(job),
+            SAMPLE: lambda job: self.imports.samples.again(job),
+            LABELS: lambda job: self.imports.labels.again(job),
             TRACK: lambda job: self.tracking.again(job),
-            PREDICT: lambda job: self.classifiers.again(job),
+            PREDICT: lambda job: self.predictions.again(job),
             FIT: lambda job: self.fitting.again(job),
         }
         self.jobs = JobBook(
@@ -113,9 +115,11 @@ class Workspace:
             lambda job_id: self.tracking.keep(job_id),
             self.paths.hide,
         )
-        self.imports = Imports(
-            self.library, self.labels, self.runner, self.jobs, publish, settings.max_frame_points
-        )
+        self._job_context = JobContext(
+            self.library, self.labels, self.runner, self.jobs, publish, settings.database_url,
+            settings.max_frame_points,
+        )  # fmt: skip
+        self.imports = Imports(self._job_context)
         self.deletion = Deletion(self.library, self.labels, publish)
         self.listing = Listing(self.library, self.labels, self.imports, self.deletion)
         self.loops = Loops(publish)
@@ -180,25 +184,24 @@ class Workspace:
         """Return the service for tracking runs."""
         from pointbrush.work.tracking.runs import Runs
 
-        return Runs(
-            self.labels,
-            self.recording,
-            self.runner,
-            self.jobs,
-            self._listeners.tell,
-            self.settings.database_url,
-        )
+        return Runs(self._job_context)
 
     @once
-    def classifiers(self) -> ClassifierFront:
+    def classifiers(self) -> Classifiers:
         """Return the service for classifiers trained on examples."""
         from pointbrush.classify.models import Models
-        from pointbrush.work.classifiers.front import ClassifierFront
+        from pointbrush.work.classifiers.service import Classifiers
 
         models = Models.parse(self.settings.models)
-        return ClassifierFront(
-            self.labels, self.library, self.runner, self.jobs, self._classifier_folder, models
-        )
+        folder, listed = self._classifier_folder, self.library.listed_ids
+        return Classifiers(self.labels, folder, self.recording, listed, models=models)
+
+    @once
+    def predictions(self) -> Predictions:
+        """Return the service that applies classifiers."""
+        from pointbrush.work.classifiers.applying import Predictions
+
+        return Predictions(self._job_context, self.classifiers)
 
     @property
     def _classifier_folder(self) -> Path:
@@ -207,11 +210,9 @@ class Workspace:
     @once
     def fitting(self) -> Fitting:
         """Return the service for fits of boxes to labels."""
-        from pointbrush.work.boxes.front import Fitting
+        from pointbrush.work.boxes.fitting_job import Fitting
 
-        return Fitting(
-            self.labels, self.library, self.runner, self.jobs, self.settings.database_url
-        )
+        return Fitting(self._job_context)
 
     @once
     def projects(self) -> Projects:

@@ -15,6 +15,7 @@ from playwright.sync_api import Browser, Route, expect
 from pointbrush.sequences import importer
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports import importing
+from pointbrush.work.imports.requests import ImportRequest
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import Headset, wear
 from tests.e2e.server import LiveServer
@@ -77,7 +78,8 @@ def scan(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(importer, "LARGE_POINTS", 200_000)
         patch.setattr(importing, "LARGE_POINTS", 200_000)
-        importing.ImportWork((folder / "scan.las",), FolderTarget(target), SEQUENCE)(Silent())
+        request = ImportRequest((folder / "scan.las",))
+        importing.ImportWork(request, FolderTarget(target), SEQUENCE)(Silent())
     return folder / "workspace"
 
 

@@ -38,6 +38,8 @@ from pointbrush.sequences import open_sequence
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.imports.label_reading import LabelRequest, ReadLabelsWork
+from pointbrush.work.imports.requests import ImportRequest
+from pointbrush.jobs.worker import Channel
 from tests.formats.mutation_bases import Base, bases, recording
 
 SPACE = 2 << 30
@@ -231,7 +233,7 @@ def import_base(base: Base, files: dict[str, bytes], folder: Path) -> str:
             files = open_sequence(recording(base.labels)).files
             ReadLabelsWork(request, files, Limits())(Silent())
         else:
-            ImportWork((path,), FolderTarget(folder / "out"), "fuzz")(Silent())
+            ImportWork(ImportRequest((path,)), FolderTarget(folder / "out"), "fuzz")(Silent())
     except PointbrushError:
         return REFUSED
     except Exception as error:

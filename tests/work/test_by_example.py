@@ -78,7 +78,7 @@ def layer(workspace: Workspace, frame: int, name: str = "label") -> NDArray[np.g
 
 
 def apply(workspace: Workspace, **chosen: object) -> dict[str, object]:
-    job = workspace.classifiers.apply("room", author="me", **{"above": 0.0} | chosen)
+    job = workspace.predictions.start("room", author="me", **{"above": 0.0} | chosen)
     ended = workspace.runner.wait(job.id, 60)
     assert ended.state == "done", ended.error
     assert ended.result is not None
@@ -147,7 +147,7 @@ def test_unsure_points_are_left_out(workspace: Workspace) -> None:
     assert made.above == 0.5  # too few places to measure
     assert layer(workspace, 1, "confidence")[layer(workspace, 1) > 0].min() >= 0.5 * 255
     with pytest.raises(BadInputError, match="above"):
-        workspace.classifiers.apply("room", author="me", classifier=made.id, above=2.0)
+        workspace.predictions.start("room", author="me", classifier=made.id, above=2.0)
 
 
 def test_locked_and_hidden_classes_get_no_points(workspace: Workspace) -> None:
@@ -160,7 +160,7 @@ def test_locked_and_hidden_classes_get_no_points(workspace: Workspace) -> None:
 def test_a_recording_without_the_labels_gets_them(workspace: Workspace) -> None:
     made = workspace.classifiers.create("rooms", ["room"])
     assert not workspace.classifiers.predict(made.id, "other", 0).label.any()
-    job = workspace.classifiers.apply("other", author="me", classifier=made.id, frames="0")
+    job = workspace.predictions.start("other", author="me", classifier=made.id, frames="0")
     assert workspace.runner.wait(job.id, 60).state == "done"
     assert [label.name for label in workspace.labels.palette("other")] == ["floor", "wall"]
     workspace.labels.undo("other", "me")

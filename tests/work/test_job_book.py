@@ -11,6 +11,7 @@ import pytest
 
 from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs import JobRunner, Receiver
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_book import JobBook, record_of
 from tests.test_jobs import Count
@@ -27,7 +28,7 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
     def begin(job: Job) -> None:
         begins.set()
         assert closed.wait(PATIENCE)
-        runner.submit(job, Count(), lambda _job, _cancelled: {})
+        runner.submit(job, Count(), Receiver())
 
     waiting = Job("import", "s", request={"call": "again"})
     with closing(WorkspaceStore(url)) as store, caplog.at_level(logging.WARNING):

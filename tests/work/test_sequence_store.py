@@ -33,6 +33,7 @@ from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.work.imports.importing import ImportWork
+from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.work.trash import ids_for
 from pointbrush.workspace import Workspace
 from tests import forked
@@ -87,7 +88,7 @@ def imported(workspace: Workspace, folder: Path) -> str:
     library, guards = workspace.library, workspace.labels.guards
     guard = guards.reserve(ids_for("room"), library.is_free)
     target = library.store.target(guard.sequence)
-    ImportWork((source(folder),), target, guard.sequence)(Channel())
+    ImportWork(ImportRequest((source(folder),)), target, guard.sequence)(Channel())
     guards.end(guard)
     assert guard.sequence in [one.id for one in workspace.listing.all()]
     return guard.sequence
@@ -180,7 +181,8 @@ def killed(settings: Settings, found: Path) -> None:
     with closing(Workspace(settings)) as workspace, pytest.MonkeyPatch.context() as patch:
         workspace.labels.guards.reserve(["room"], workspace.library.is_free)
         patch.setattr(*(Bucket, "write") if settings.sequences else (files, "_rename"), die)
-        ImportWork((found,), workspace.library.store.target("room"), "room")(MagicMock())
+        target = workspace.library.store.target("room")
+        ImportWork(ImportRequest((found,)), target, "room")(MagicMock())
 
 
 def test_an_import_that_is_killed_is_not_listed_and_leaves_nothing(

@@ -49,14 +49,39 @@ SCHEDULER_AWAY = "waiting for the Dask scheduler, which does not answer"
 SHORTAGE = "waiting for free files and memory for a worker"
 
 
+class Receiver:
+    """The server's part of a job: receives the items of its work and makes them the result.
+
+    Its methods run in the server's process.
+    """
+
+    def __init__(self) -> None:
+        self.items: list[Any] = []
+
+    def receive(self, _job: Job, item: Any) -> None:
+        """Take an item; items come in order."""
+        self.items.append(item)
+
+    def restart(self, _job: Job) -> None:
+        """Drop all items, as the work is repeated after its worker died."""
+        self.items.clear()
+
+    def finish(self, _job: Job, _cancelled: bool) -> dict[str, Any]:
+        """Return the job's result; also called for a cancelled job, but not if the work failed."""
+        return {}
+
+    def end(self, job: Job) -> None:
+        """Release resources; called last in all cases.
+
+        The job has not ended if its submission failed or another server continues it.
+        """
+
+
 @dataclass
 class _Running:
     work: Work
     future: Future[Any] | None
-    finish: Callable[[Job, bool], dict[str, Any]]
-    on_item: Callable[[Job, Any], None] | None
-    done: Callable[[Job], None] | None
-    restart: Callable[[Job], None] | None
+    receiver: Receiver
     tries: int = 0
     """Number of workers that have started the work."""
     submissions: int = 1
@@ -99,27 +124,23 @@ class JobRunner:
         self._closed = False
         threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
 
-    def submit(
-        self,
-        job: Job,
-        work: Work,
-        finish: Callable[[Job, bool], dict[str, Any]],
-        on_item: Callable[[Job, Any], None] | None = None,
-        done: Callable[[Job], None] | None = None,
-        restart: Callable[[Job], None] | None = None,
-    ) -> Job:
-        """Queue ``work``; its items come to ``on_item`` in order, then ``finish(job, cancelled)``.
+    def submit(self, job: Job, work: Work, receiver: Receiver) -> Job:
+        """Queue ``work``, whose items and end go to ``receiver``.
 
-        The callbacks run in this process.  ``finish`` returns the job's result; it is also called
-        for a cancelled job, to keep partial results, but not if the work failed.  ``done(job)``
-        runs last in all cases, with an unfinished job if another server continues it.  If a worker
-        dies, the work is restarted once, after ``restart(job)`` has dropped earlier items; ``work``
-        must therefore be repeatable.  Raises UnavailableError once the runner is closed.
+        If a worker dies, the work is restarted once; it must therefore be repeatable.  Raises
+        UnavailableError once the runner is closed.
         """
+        try:
+            return self._submit(job, work, receiver)
+        except BaseException:
+            receiver.end(job)
+            raise
+
+    def _submit(self, job: Job, work: Work, receiver: Receiver) -> Job:
         self._require_open()
         if (book := self.known.book) is not None:
             book.begun(job)
-        running = _Running(work, None, finish, on_item, done, restart)
+        running = _Running(work, None, receiver)
         supervisor = threading.Thread(target=self._supervise, args=(job.id, running), daemon=True)
         try:
             with self._lock:
@@ -253,8 +274,7 @@ class JobRunner:
             cut_off(before)
             running.drained.wait(DRAIN_SECONDS)
             running.drained.clear()
-            if running.restart is not None:
-                running.restart(self.known.get(job_id))
+            running.receiver.restart(self.known.get(job_id))
         with self._lock:
             tell(connection, "start")
             if running.cancelled:
@@ -270,8 +290,8 @@ class JobRunner:
                 kind, *values = connection.recv()
                 if kind == "progress":
                     self.known.change(job_id, progress=float(values[0]), message=str(values[1]))
-                elif kind == "item" and running.on_item is not None:
-                    running.on_item(self.known.get(job_id), values[0])
+                elif kind == "item":
+                    running.receiver.receive(self.known.get(job_id), values[0])
         except (EOFError, OSError):
             pass
         except Exception as error:  # such as no memory for an item
@@ -287,8 +307,7 @@ class JobRunner:
         finally:
             with suppress(NotFoundError):  # another server continues it
                 job = self.known.get(job_id)
-            if running.done is not None:
-                running.done(job)
+            running.receiver.end(job)
             with self._lock:
                 self._running.pop(job_id, None)
             running.ended.set()
@@ -380,7 +399,7 @@ class JobRunner:
 
     def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
         try:
-            summary = running.finish(self.known.get(job_id), cancelled)
+            summary = running.receiver.finish(self.known.get(job_id), cancelled)
         except Exception as error:
             self.known.change(job_id, state="failed", error=self._public(sentence(error)))
         else:

@@ -17,7 +17,7 @@ from pointbrush.labels import Known
 from pointbrush.sequences import Manifest
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.events import Event, SequencesChanged
-from pointbrush.work.imports.submitting import register
+from pointbrush.work.imports.new_recordings import register
 from pointbrush.work.library import Library
 
 log = logging.getLogger(__name__)

@@ -362,7 +362,7 @@ def apply_classifier(
     seq: SequenceId, body: ApplyBody, response: Response, workspace: Ws, who: Caller
 ) -> JobOut:
     """Label the unlabelled points of frames in a job; one edit of provenance 4."""
-    job = workspace.classifiers.apply(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
+    job = workspace.predictions.start(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return JobOut.of(job)
 

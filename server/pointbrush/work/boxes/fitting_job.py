@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -24,10 +24,16 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore
 from pointbrush.labels.boxes.editing import BoxEdit
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.jobs import Receiver
+from pointbrush.labels import Commit, Label, LabelStore
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.observing import observed
+from pointbrush.work.exporting import parse_frames
+from pointbrush.work.job_request import JobRequest
+from pointbrush.work.job_service import EditService, Submission
+from pointbrush.jobs.worker import Channel
 
 READING = 0.7
 """Approximate share of a job's time for reading frames."""
@@ -116,34 +122,18 @@ def fit_one(target: Target, seen: list[Observation], options: FitOptions) -> Fit
         return Fitted(target.label, why=str(error))
 
 
-@dataclass(frozen=True, slots=True)
-class FitRequest:
+@dataclass(frozen=True)
+class FitRequest(JobRequest):
     """Request to fit boxes in ``frames`` to ``labels`` (None: all), optionally of one ``category``.
 
     ``redraw``: also fit boxes that a person drew.
     """
 
+    call = FIT
     frames: tuple[int, ...]
     labels: tuple[int, ...] | None = None
     category: str | None = None
     redraw: bool = False
-
-    def as_json(self) -> dict[str, Any]:
-        """Return the record from which a job can be restarted."""
-        labels = None if self.labels is None else list(self.labels)
-        return {
-            "call": FIT, "frames": list(self.frames), "labels": labels,
-            "category": self.category, "redraw": self.redraw,
-        }  # fmt: skip
-
-    @classmethod
-    def of_json(cls, fields: Mapping[str, Any]) -> FitRequest:
-        """Return the request for ``fields`` of ``as_json``."""
-        labels = fields["labels"]
-        return cls(
-            tuple(fields["frames"]), None if labels is None else tuple(labels),
-            fields["category"], fields["redraw"],
-        )  # fmt: skip
 
     def chosen(self, palette: Mapping[int, Label]) -> list[Label]:
         """Return the chosen labels of a palette; raises NotFoundError (label, category)."""
@@ -161,39 +151,40 @@ class FitRequest:
         return found
 
 
-class Fits:
-    """Starts jobs that fit boxes, and commits their results."""
+class Fitting(EditService[FitRequest]):
+    """Starts jobs that fit boxes to labels, and commits their results."""
 
-    def __init__(
-        self, store: LabelStore, runner: JobRunner, database: str, options: FitOptions | None = None
-    ) -> None:
-        self._store, self._runner, self._database = store, runner, database
-        self._options = options or FitOptions()
+    kind = "fitting"
+    request = FitRequest
 
-    def start(self, recording: Recording, request: FitRequest, author: str, job_id: str) -> Job:
-        """Start a job; ``job_id`` is also the id of its edit.
+    def fit(
+        self,
+        sequence: str,
+        *,
+        author: str,
+        labels: Sequence[int] | None = None,
+        category: str | None = None,
+        frames: str | None = None,
+        redraw: bool = False,
+        edit: str | None = None,
+    ) -> Job:
+        """Fit boxes to labels in a job; it is one edit.
 
-        Raises NotFoundError (frame, label, category), BadInputError (no frame).
+        ``frames``: "I:J", by default all.  ``edit``: id of the edit and the job; if ``author`` has
+        already started a job with this id, it is returned.  Raises NotFoundError (frame, label,
+        category), BadInputError (no frame).
         """
-        sequence, kept = recording.manifest.id, request.as_json()
-        job = Job("fitting", sequence, job_id, owner=author, edit=job_id, request=kept)
-        return self._begin(recording, request, job)
+        chosen = tuple(parse_frames(frames, len(self._recording(sequence))))
+        numbers = None if labels is None else tuple(labels)
+        return self.begin(sequence, FitRequest(chosen, numbers, category, redraw), author, edit)
 
-    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Restart a job of an ended server; return its result if it was already committed."""
-        made = self._store.find(recording.manifest.id, job.edit or job.id)
-        if made is not None:
-            return {"edit": made.edit_id, "fitted": list(made.boxes), "skipped": {}}
-        self._begin(recording, FitRequest.of_json(job.request or {}), job)
-        return None
-
-    def _begin(self, recording: Recording, request: FitRequest, job: Job) -> Job:
+    def _prepare(self, request: FitRequest, job: Job) -> Submission:
+        recording = self._recording(job.sequence or "")
         self._store.require_writable()
         if not request.frames:
             raise BadInputError("frames: expected at least one, got none")
         sequence = recording.manifest.id
         labels = request.chosen({each.id: each for each in self._store.palette(sequence)})
-        skipped = {str(label.id): "locked" for label in labels if label.locked}
         sizes = {} if request.redraw else self._drawn_sizes(sequence)
         known = {each.name: (each.size, each.spread) for each in self._store.taxonomy.entries()}
         targets = tuple(
@@ -207,18 +198,11 @@ class Fits:
             for label in labels
             if not label.locked
         )
-        work = FittingWork(recording.files, self._database, targets, request.frames, self._options)
-        found: list[Fitted] = []
-
-        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled:
-                return {"edit": None, "fitted": [], "skipped": {}, MESSAGE: "no box was changed"}
-            return self._commit(sequence, request, job, found, skipped)
-
-        return self._runner.submit(
-            job, work, finish, lambda _, item: found.append(item),
-            restart=lambda _: found.clear(),
-        )  # fmt: skip
+        work = FittingWork(
+            recording.files, self._context.database, targets, request.frames, FitOptions()
+        )
+        locked = {str(label.id): "locked" for label in labels if label.locked}
+        return job, work, _FittedBoxes(self._store, sequence, request, locked)
 
     def _drawn_sizes(self, sequence: str) -> dict[int, Size]:
         sizes = {}
@@ -228,31 +212,51 @@ class Fits:
                 sizes[box.label] = (length, width, height)
         return sizes
 
-    def _commit(
-        self, sequence: str, request: FitRequest, job: Job, found: list[Fitted],
-        skipped: dict[str, str],
-    ) -> dict[str, Any]:  # fmt: skip
-        """Commit all boxes as one edit."""
-        told = skipped | {str(each.label): each.why for each in found if each.box is None}
-        made = {each.label: each.box for each in found if each.box is not None}
+    def _committed(self, made: Commit) -> dict[str, Any]:
+        return {"edit": made.edit_id, "fitted": list(made.boxes), "skipped": {}}
+
+
+class _FittedBoxes(Receiver):
+    """Commits all boxes as one edit; ``locked`` are the reasons of skipped labels."""
+
+    def __init__(
+        self, store: LabelStore, sequence: str, request: FitRequest, locked: dict[str, str]
+    ) -> None:
+        super().__init__()
+        self._store, self._sequence, self._request = store, sequence, request
+        self._locked = locked
+
+    def finish(self, job: Job, cancelled: bool) -> dict[str, Any]:
+        nothing: dict[str, Any] = {
+            "edit": None,
+            "fitted": [],
+            "skipped": {},
+            MESSAGE: "no box was changed",
+        }
+        if cancelled:
+            return nothing
+        skipped = self._locked | {
+            str(each.label): each.why for each in self.items if each.box is None
+        }
+        made = {each.label: each.box for each in self.items if each.box is not None}
         if not made:
-            return {"edit": None, "fitted": [], "skipped": told, MESSAGE: "no box was changed"}
+            return nothing | {"skipped": skipped}
 
         def choose(now: Mapping[int, OrientedBox]) -> BoxEdit:
             first = _first_boxes(now.values())
             return BoxEdit(
-                [merged(first.get(n), n, box, request) for n, box in sorted(made.items())]
+                [merged(first.get(n), n, box, self._request) for n, box in sorted(made.items())]
             )
 
         many = "1 box" if len(made) == 1 else f"{len(made)} boxes"
         commit = self._store.boxes.apply(
-            sequence, job.owner or "", choose, summary=f"fitted {many}",
+            self._sequence, job.owner or "", choose, summary=f"fitted {many}",
             edit_id=job.edit or job.id, kind="box",
         )  # fmt: skip
-        now = _first_boxes(self._store.boxes.listing(sequence).boxes)
+        now = _first_boxes(self._store.boxes.listing(self._sequence).boxes)
         fitted = sorted(now[label].id for label in made if label in now)
         return {
-            "edit": commit.edit_id, "fitted": fitted, "skipped": told,
+            "edit": commit.edit_id, "fitted": fitted, "skipped": skipped,
             MESSAGE: f"fitted {many}",
         }  # fmt: skip
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.jobs.job import MESSAGE, Job
 from pointbrush.jobs.runner import JobRunner
 from pointbrush.jobs.worker import Channel
+from pointbrush.jobs import Receiver
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
@@ -31,6 +32,11 @@ from pointbrush.work.classifiers.frames import example_frame, pieces
 from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import label_of
 from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
+from pointbrush.work.classifiers.service import Classifiers
+from pointbrush.work.exporting import parse_frames
+from pointbrush.work.job_request import JobRequest
+from pointbrush.work.job_service import EditService, JobContext, Submission
+from pointbrush.jobs.worker import Channel
 
 SUREST = 255
 
@@ -113,102 +119,73 @@ def predicted(
 
 
 @dataclass(frozen=True)
-class ApplyRequest:
+class ApplyRequest(JobRequest):
     """Request to apply a classifier to ``frames`` of a recording."""
 
+    call = PREDICT
     frames: tuple[int, ...]
     options: ApplyOptions
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the record from which a job can be restarted."""
-        return {"call": PREDICT, "frames": list(self.frames), "options": asdict(self.options)}
 
-    @classmethod
-    def of_json(cls, fields: Mapping[str, Any]) -> ApplyRequest:
-        """Return the request for ``fields`` of ``as_json``."""
-        return cls(tuple(fields["frames"]), ApplyOptions(**fields["options"]))
-
-
-class Predictions:
+class Predictions(EditService[ApplyRequest]):
     """Starts jobs that apply classifiers, and commits their results."""
 
-    def __init__(
-        self,
-        store: LabelStore,
-        runner: JobRunner,
-        current: Callable[[str], Classifier],
-        options: ClassifierOptions,
-        models: Models,
-    ) -> None:
-        """``current`` returns the current classifier by its id."""
-        self._models = models
-        self._store, self._runner = store, runner
-        self._current, self._options = current, options
+    kind = "prediction"
+    request = ApplyRequest
 
-    def start(self, recording: Recording, request: ApplyRequest, author: str, job_id: str) -> Job:
-        """Start a job; ``job_id`` is also the id of its edit.
+    def __init__(self, context: JobContext, classifiers: Classifiers) -> None:
+        super().__init__(context)
+        self._classifiers = classifiers
 
-        Raises NotFoundError (frame, classifier), BadInputError (no examples, no frame).
+    def start(self, sequence: str, *, author: str, edit: str | None = None, **chosen: Any) -> Job:
+        """Label unlabeled points in frames of a recording with a job, as one edit.
+
+        ``chosen``: fields of ``ApplyOptions``.  ``edit``: id of the edit and the job; if ``author``
+        has already started a job with this id, it is returned.  Raises NotFoundError (frame,
+        classifier), BadInputError (no examples, no frame).
         """
-        sequence, kept = recording.manifest.id, request.as_json()
-        job = Job("prediction", sequence, job_id, owner=author, edit=job_id, request=kept)
-        return self._begin(recording, request, job)
+        recording, options = self._recording(sequence), ApplyOptions(**chosen)
+        self._classifiers.about(options.classifier)
+        frames = tuple(parse_frames(options.frames or None, len(recording)))
+        return self.begin(sequence, ApplyRequest(frames, options), author, edit)
 
-    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Restart a job of an ended server; return its result if it was already committed."""
-        made = self._store.find(recording.manifest.id, job.edit or job.id)
-        if made is not None:
-            return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
-        self._begin(recording, ApplyRequest.of_json(job.request or {}), job)
-        return None
-
-    def _begin(self, recording: Recording, request: ApplyRequest, job: Job) -> Job:
+    def _prepare(self, request: ApplyRequest, job: Job) -> Submission:
+        recording = self._recording(job.sequence or "")
         self._store.require_writable()
         if not request.frames:
             raise BadInputError("frames: expected at least one, got none")
         for frame in request.frames:
             _ = recording[frame]
-        model = self._current(request.options.classifier)
+        model = self._classifiers.current(request.options.classifier)
         if not model.ready:
             raise BadInputError(
                 "classifier: expected a trained classifier, no points are painted yet"
             )
-        found: list[Found] = []
-        pending = _Pending(self._store, recording, model, request, found)
+        known = self._classifiers
         work = PredictingWork(
-            recording.files, to_file(model), request.frames, self._options, self._models
+            recording.files, to_file(model), request.frames, known.options, known.models
         )
-        author, edit = job.owner or "", job.edit or job.id
-
-        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled:
-                return {"edit": None, "changed": 0, MESSAGE: "no label was changed"}
-            return pending.commit(edit, author)
-
-        return self._runner.submit(
-            job, work, finish, lambda _, item: found.append(item),
-            restart=lambda _: found.clear(),
-        )  # fmt: skip
+        return job, work, _Prediction(self._store, recording, model, request)
 
 
-@dataclass(frozen=True)
-class _Pending:
-    """Results of a job in the server's process, before their commit as one edit."""
+class _Prediction(Receiver):
+    """Commits the classes as one edit, except points that were painted, erased or tracked."""
 
-    store: LabelStore
-    recording: Recording
-    model: Classifier
-    request: ApplyRequest
-    found: list[Found]
+    def __init__(
+        self, store: LabelStore, recording: Recording, model: Classifier, request: ApplyRequest
+    ) -> None:
+        super().__init__()
+        self.store, self.recording, self.model, self.request = store, recording, model, request
 
-    def commit(self, edit: str, author: str) -> dict[str, Any]:
-        """Commit as one edit, except points that were painted, erased or tracked."""
+    def finish(self, job: Job, cancelled: bool) -> dict[str, Any]:
+        if cancelled:
+            return {"edit": None, "changed": 0, MESSAGE: "no label was changed"}
         name, frames = self.model.name, len(self.request.frames)
         many = "1 frame" if frames == 1 else f"{frames} frames"
         commit = self.store.apply(
             self.recording.manifest.id,
-            edit_id=edit,
-            author=author,
+            edit_id=job.edit or job.id,
+            author=job.owner or "",
             kind="prediction",
             writes=self._choose,
             summary=f"predicted {many} by '{name}'"[:200],
@@ -240,7 +217,7 @@ class _Pending:
     def _writes(self, ids: NDArray[np.uint16]) -> Iterator[tuple[int, Write]]:
         above = self.request.options.above
         least = (self.model.above if above is None else above) * SUREST
-        for each in self.found:
+        for each in self.items:
             label, sure = ids[each.kind.values()], each.confidence.values()
             kept = np.flatnonzero((label > 0) & (sure >= least))
             numbers = kept if each.numbers is None else each.numbers[kept]

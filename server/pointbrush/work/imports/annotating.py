@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import uuid
 from collections.abc import Iterator, Sequence
-from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -14,6 +12,7 @@ from pointbrush.formats import Limits
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs import Receiver
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED
@@ -30,99 +29,68 @@ from pointbrush.work.imports.label_reading import (
 from pointbrush.work.imports.naming import Naming, learn_numbers
 from pointbrush.work.imports.new_boxes import box_report, new_boxes
 from pointbrush.work.imports.requests import drop_upload
+from pointbrush.work.job_service import EditService, Submission
+
+Item = TypeVar("Item")
 
 TOLD = 100
 """Limit of entries in a report's lists."""
 
 
-class LabelImports:
+class LabelImports(EditService[LabelRequest]):
     """Starts imports of labels, and commits their results."""
 
-    def __init__(self, store: LabelStore, runner: JobRunner, max_points: int) -> None:
-        self._store, self._runner, self._max_points = store, runner, max_points
+    kind = "import"
+    request = LabelRequest
 
-    def start(self, recording: Recording, request: LabelRequest, author: str, job_id: str) -> Job:
-        """Start a job; its result is the report."""
-        kept, edit = request.as_json(), str(uuid.uuid4())
-        job = Job("import", recording.manifest.id, job_id, owner=author, edit=edit, request=kept)
-        return self._begin(recording, request, job)
-
-    def again(self, recording: Recording, job: Job) -> dict[str, Any] | None:
-        """Restart an import of an ended server; return its result if it was already committed.
-
-        Raises the errors of ``start``.
-        """
-        made = self._store.find(recording.manifest.id, job.edit or job.id)
-        if made is not None:
-            return {"edit": made.edit_id, "changed": made.changed}
-        self._begin(recording, LabelRequest.of_json(job.request or {}), job)
-        return None
-
-    def _begin(self, recording: Recording, request: LabelRequest, job: Job) -> Job:
+    def _prepare(self, request: LabelRequest, job: Job) -> Submission:
+        recording = self._recording(job.sequence or "")
         if not request.dry_run:
             self._store.require_writable()
-        found: list[FrameLabels] = []
-        unmatched: list[str] = []
-        warnings: list[str] = []
-        called: list[Naming] = []
-        objects = [FoundBoxes(())]
-
-        def on_item(
-            _: Job, item: Naming | FrameLabels | FoundBoxes | Unmatched | list[str]
-        ) -> None:
-            match item:
-                case list():
-                    warnings[:] = item
-                case Naming():
-                    called[:] = [item]
-                case FoundBoxes():
-                    objects[:] = [item]
-                case Unmatched():
-                    unmatched.append(item.file)
-                case _:
-                    found.append(item)
-
-        def restart(_: Job) -> None:
-            found.clear()
-            unmatched.clear()
-            objects[:] = [FoundBoxes(())]
-
-        limits = Limits(self._max_points, roots=request.roots)
+        limits = Limits(self._context.max_points, roots=request.roots)
         work = ReadLabelsWork(request, recording.files, limits)
+        return job, work, _ReadLabels(self._store, recording, request)
 
-        def finish(_: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled:
-                return {}
-            locked = _locked(self._store, recording, found)
-            chosen, made, commit = self._write(
-                recording, request, job, found, objects[0], called[0]
-            )
-            report = _report(recording, found, unmatched, chosen)
-            report |= box_report(objects[0], made, chosen)
-            told = [*warnings, *chosen.warnings()]
-            refused = "" if request.allow_empty else _emptiness(found, objects[0], chosen)
-            told += [refused] if refused else []
-            report |= {"warnings": told, "locked": locked, "edit": None, "changed": 0}
-            report |= {"refused": refused}
-            return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
 
-        done = partial(drop_upload, request.upload)
-        return self._runner.submit(job, work, finish, on_item, done, restart)
+class _ReadLabels(Receiver):
+    """Commits the labels and boxes of all files as one edit, and reports them."""
+
+    def __init__(self, store: LabelStore, recording: Recording, request: LabelRequest) -> None:
+        super().__init__()
+        self._store, self._recording, self._request = store, recording, request
+
+    def end(self, job: Job) -> None:
+        drop_upload(self._request.upload, job)
+
+    def finish(self, job: Job, cancelled: bool) -> dict[str, Any]:
+        if cancelled:
+            return {}
+        found = self._all(FrameLabels)
+        boxes = [FoundBoxes(()), *self._all(FoundBoxes)][-1]
+        unmatched = [each.file for each in self._all(Unmatched)]
+        warnings = [warning for each in self._all(list) for warning in each]
+        locked = _locked(self._store, self._recording, found)
+        chosen, made, commit = self._write(job, found, boxes, self._all(Naming)[-1])
+        report = _report(self._recording, found, unmatched, chosen)
+        report |= box_report(boxes, made, chosen)
+        refused = "" if self._request.allow_empty else _emptiness(found, boxes, chosen)
+        warnings += [*chosen.warnings(), *([refused] if refused else [])]
+        report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
+        report |= {"refused": refused}
+        return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
+
+    def _all(self, kind: type[Item]) -> list[Item]:
+        return [item for item in self.items if isinstance(item, kind)]
 
     def _write(
-        self,
-        recording: Recording,
-        request: LabelRequest,
-        job: Job,
-        found: list[FrameLabels],
-        boxes: FoundBoxes,
-        naming: Naming,
+        self, job: Job, found: list[FrameLabels], boxes: FoundBoxes, naming: Naming
     ) -> tuple[Chosen, Sequence[OrientedBox], Commit | None]:
         """Commit the found labels and boxes as one edit, except in a trial or if there are none.
 
         Returns also the labels and boxes of the edit, or of the edit that a trial would make.
         Raises BadInputError if none were found, unless the request allows it.
         """
+        recording, request = self._recording, self._request
         sequence, keys = recording.manifest.id, {key for frame in found for key in frame.keys}
         naming = naming.in_workspace(self._store)
         chosen = Chosen.of(self._store.choosing(sequence), keys, naming)

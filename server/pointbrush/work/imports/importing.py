@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from collections.abc import Sequence as ListOf
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.readers.las import read_chunks
 from pointbrush.formats.readers.las_header import read_header
-from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.tables.palette import own_labels
 from pointbrush.formats.times.matching import Origin, listed
 from pointbrush.formats.times.timing import ASSUMED
@@ -24,6 +23,8 @@ from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_l
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
 from pointbrush.work.folder_store import ImportTarget
+from pointbrush.work.imports.requests import ImportRequest, SampleRequest
+from pointbrush.jobs.worker import Channel
 
 PART_POINTS = 1_000_000
 """Number of points of a large scan that are in memory per step."""
@@ -31,27 +32,16 @@ SINGLE_FPS = 1.0
 """Frame rate of a single scan."""
 GUESSED = "guessed"
 """Source of the up axis if neither the request nor the kind of points determines it."""
-SAMPLE = "sample recording"
-"""Prefix of the sample's source in its manifest."""
 
 
 @dataclass(frozen=True)
 class ImportWork:
-    """Picklable import of ``paths`` as the new recording ``target``; ``source``: their name.
+    """Picklable import of files as the new recording ``target``."""
 
-    ``project``: id of its project, "" for the first one.
-    """
-
-    paths: tuple[Path, ...]
+    request: ImportRequest
     target: ImportTarget
     sequence_id: str
-    name: str | None = None
-    fps: float | None = None
-    chosen: Corrections = field(default_factory=Corrections)
     max_points: int = 500_000_000
-    roots: tuple[Path, ...] = ()
-    source: str = ""
-    project: str = ""
 
     def __call__(self, channel: Channel) -> None:
         """Read, reorder and store every frame; send the readers' warnings as an item.
@@ -65,30 +55,31 @@ class ImportWork:
 
     def _note(self, folder: Path, dataset: str) -> None:
         """Store the project, and the meaning of label numbers and coordinates in the files."""
-        own = [asdict(label) for label in own_labels(self.paths)]
+        own = [asdict(label) for label in own_labels(self.request.paths)]
         note_import(
             folder,
             dataset="" if own else dataset,
             palette=own,
-            scale=self.chosen.scale,
-            project=self.project,
+            scale=self.request.chosen.scale,
+            project=self.request.project,
         )
 
     def _import(self, channel: Channel, folder: Path) -> list[str]:
+        request = self.request
         about: dict[str, Any] = {
             "sequence_id": self.sequence_id,
-            "source": self.source,
-            "up": self.chosen.up,
+            "source": request.source,
+            "up": request.chosen.up,
         }
-        limits = Limits(self.max_points, roots=self.roots)
-        scan = large_scan(self.paths, limits)
+        limits = Limits(self.max_points, roots=request.roots)
+        scan = large_scan(request.paths, limits)
         if scan is not None:
-            options = ReadOptions(limits=limits, chosen=self.chosen)
+            options = ReadOptions(limits=limits, chosen=request.chosen)
             import_large(
-                map(self.chosen.applied, read_chunks(scan, PART_POINTS, options)),
+                map(request.chosen.applied, read_chunks(scan, PART_POINTS, options)),
                 folder,
-                name=self.name or scan.stem,
-                fps=self.fps or SINGLE_FPS,
+                name=request.name or scan.stem,
+                fps=request.fps or SINGLE_FPS,
                 total_points=read_header(scan, limits).count,
                 progress=channel.progress,
                 origins=[Origin(scan.name)],
@@ -96,12 +87,12 @@ class ImportWork:
             )
             self._note(folder, "")
             return []
-        with formats.open_source(self.paths, limits=limits, chosen=self.chosen) as source:
-            fps, said = source.rate(self.fps)
+        with formats.open_source(request.paths, limits=limits, chosen=request.chosen) as source:
+            fps, said = source.rate(request.fps)
             manifest = import_frames(
                 _limited(source.frames, self.max_points, source.origins),
                 folder,
-                name=self.name or source.name,
+                name=request.name or source.name,
                 fps=fps,
                 total=source.count,
                 progress=channel.progress,
@@ -125,15 +116,14 @@ class SampleWork:
 
     target: ImportTarget
     sequence_id: str
-    frames: int
-    seed: int = 0
-    kind: str = "juggling"
+    request: SampleRequest
 
     def __call__(self, channel: Channel) -> None:
         """Generate and store frame by frame."""
         from pointbrush.samples.generating import sample
 
-        recording = sample(self.kind, self.seed, self.frames)
+        request = self.request
+        recording = sample(request.kind, request.seed, request.frames)
         with self.target.building(channel.progress) as folder:
             import_frames(
                 recording.frames,
@@ -143,7 +133,7 @@ class SampleWork:
                 fps=recording.fps,
                 total=len(recording.frames),
                 progress=channel.progress,
-                source=f"{SAMPLE}, {self.kind}, seed {self.seed}",
+                source=f"{request.source}, {request.kind}, seed {request.seed}",
             )
 
 
@@ -154,11 +144,8 @@ def large_scan(paths: tuple[Path, ...], limits: Limits) -> Path | None:
     return paths[0] if read_header(paths[0], limits).count > LARGE_POINTS else None
 
 
-def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> list[str]:
-    """Create a palette for the objects of the sample, without painting them.
-
-    Returns warnings: none.
-    """
+def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> None:
+    """Create a palette for the objects of the sample, without painting them."""
     from pointbrush.samples.generating import sample
 
     sequence = recording.manifest.id
@@ -168,7 +155,6 @@ def create_sample_labels(store: LabelStore, recording: Sequence, kind: str) -> l
             sequence, "import", id=label_id, name=name, color=color,
             category=category if admits(category) else "",
         )  # fmt: skip
-    return []
 
 
 def _limited(

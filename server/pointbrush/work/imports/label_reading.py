@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from dataclasses import field as of_field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +50,12 @@ from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
 from pointbrush.work.imports.requests import LABELS, UPLOAD
+from pointbrush.work.imports.requests import LABELS
+from pointbrush.work.job_request import JobRequest
+from pointbrush.jobs.worker import Channel
+
+if TYPE_CHECKING:
+    from typing import Self
 
 log = logging.getLogger(__name__)
 MICRO = 1e6
@@ -57,9 +63,10 @@ MICRO = 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
-class LabelRequest(LabelOptions):
+class LabelRequest(LabelOptions, JobRequest):
     """Request of an import of labels: the file, folder or archive, and options."""
 
+    call = LABELS
     place: Path
     names: Mapping[int, ClassName] = of_field(default_factory=dict)
     """Classes by number."""
@@ -69,30 +76,14 @@ class LabelRequest(LabelOptions):
     upload: Path | None = None
     """Folder of its uploaded files, which is removed after the import."""
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the record from which ``LabelImports.again`` can restart a job."""
-        names = {str(number): (name.name, name.color) for number, name in self.names.items()}
-        places = {"place": str(self.place), "roots": [str(root) for root in self.roots]}
-        return (
-            {"call": LABELS}
-            | {f.name: getattr(self, f.name) for f in fields(self)}
-            | places
-            | {"names": names, UPLOAD: str(self.upload) if self.upload else None}
-        )
-
     @classmethod
-    def of_json(cls, kept: Mapping[str, Any]) -> LabelRequest:
-        """Return the request for ``kept`` of ``as_json``."""
-        values = {name: value for name, value in kept.items() if name != "call"}
-        return cls(
-            **values
-            | {
-                "place": Path(kept["place"]),
-                "roots": tuple(map(Path, kept["roots"])),
-                "upload": Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
-                "names": {int(number): ClassName(*name) for number, name in kept["names"].items()},
-            }
-        )
+    def of_json(cls, kept: Mapping[str, Any]) -> Self:
+        """Return the request of a record, also of one with names as pairs of name and color."""
+        names = {
+            number: ClassName(*name) if isinstance(name, list) else name
+            for number, name in kept["names"].items()
+        }
+        return super().of_json({**kept, "names": names})
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats import source_name
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.timing import natural_key
 from pointbrush.jobs.job import ENDED, Job
+from pointbrush.work.job_request import JobRequest
 
 UPLOAD = "upload"
 """Key in a job's request: the folder of its uploaded files, or None."""
@@ -22,9 +23,10 @@ IMPORT, SAMPLE, LABELS = "import", "sample", "labels"
 
 
 @dataclass(frozen=True)
-class ImportRequest:
+class ImportRequest(JobRequest):
     """An import of files at absolute ``paths``."""
 
+    call = IMPORT
     paths: tuple[Path, ...]
     name: str | None = None
     fps: float | None = None
@@ -43,32 +45,35 @@ class ImportRequest:
         shown = (path.name if self.upload else str(path) for path in self.paths)
         return ", ".join(shown)
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the record from which ``Imports.again`` can restart a job."""
-        return {
-            "call": IMPORT,
-            "paths": [str(path) for path in self.paths],
-            "name": self.name,
-            "fps": self.fps,
-            "chosen": asdict(self.chosen),
-            "roots": [str(root) for root in self.roots],
-            UPLOAD: str(self.upload) if self.upload else None,
-            "project": self.project,
-        }
+    @property
+    def readable(self) -> str:
+        """Return the name from which the recording's id derives."""
+        return self.name or source_name(self.paths)
 
-    @classmethod
-    def of_json(cls, kept: Mapping[str, Any]) -> ImportRequest:
-        """Return the request for ``kept`` of ``as_json``."""
-        chosen = kept["chosen"] | {"columns": tuple(kept["chosen"]["columns"])}
-        return cls(
-            tuple(map(Path, kept["paths"])),
-            kept["name"],
-            kept["fps"],
-            Corrections(**chosen),
-            tuple(map(Path, kept["roots"])),
-            Path(kept[UPLOAD]) if kept.get(UPLOAD) else None,
-            kept.get("project", FIRST),
-        )
+    @property
+    def up(self) -> str | None:
+        """Return the given axis that points up, or None."""
+        return self.chosen.up
+
+
+@dataclass(frozen=True)
+class SampleRequest(JobRequest):
+    """A generated recording of a ``kind``."""
+
+    call = SAMPLE
+    frames: int = 90
+    seed: int = 0
+    kind: str = "juggling"
+    name: ClassVar[None] = None
+    upload: ClassVar[None] = None
+    up: ClassVar[None] = None
+    source: ClassVar[str] = "sample recording"
+    """First part of the source in the recording's manifest."""
+
+    @property
+    def readable(self) -> str:
+        """Return the name from which the recording's id derives."""
+        return self.kind
 
 
 def recordings_in(folder: Path) -> list[Path]:

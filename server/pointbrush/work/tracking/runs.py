@@ -2,71 +2,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from pointbrush.database.guards import TRACKING
 from pointbrush.jobs.job import MESSAGE, Job
 from pointbrush.jobs.runner import JobRunner
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.database.guards import TRACKING, Guard
+from pointbrush.jobs import Receiver
 from pointbrush.tracking import FrameResult
-from pointbrush.work.events import Event, Provisional, Retracted
-from pointbrush.work.job_book import JobBook
+from pointbrush.work.events import Provisional, Retracted
+from pointbrush.work.job_request import JobRequest
+from pointbrush.work.job_service import EditService, JobContext, Submission
 from pointbrush.work.tracking import TRACK
 from pointbrush.work.tracking import job as tracking
 from pointbrush.work.tracking.job import doubtful
 from pointbrush.work.tracking.options import RunOptions
 
+if TYPE_CHECKING:
+    from typing import Self
+
 BESIDE = ("method", "stop_unsure")
-"""Options stored at the top level of a job's record."""
+"""Options that records of earlier versions have at their top level."""
 MOST_NAMED = 4
 """Limit of labels listed in a message; further labels are only counted."""
 
 
 @dataclass(frozen=True)
-class TrackRequest:
+class TrackRequest(JobRequest):
     """Request to track ``labels`` (None: all in ``start``), forward or backward to ``stop``."""
 
+    call = TRACK
     start: int
     stop: int
-    labels: Sequence[int] | None
+    labels: tuple[int, ...] | None
     options: RunOptions
 
-    def as_json(self) -> dict[str, Any]:
-        """Return the record from which ``Runs.again`` can restart a job."""
-        kept = asdict(self)
-        beside = {name: kept["options"].pop(name) for name in BESIDE}
-        return {"call": TRACK} | kept | beside
-
     @classmethod
-    def of_json(cls, fields: Mapping[str, Any]) -> TrackRequest:
-        """Return the request for ``fields`` of ``as_json``."""
-        options = RunOptions(**fields["options"], **{name: fields[name] for name in BESIDE})
-        return cls(fields["start"], fields["stop"], fields["labels"], options)
+    def of_json(cls, kept: Mapping[str, Any]) -> Self:
+        """Return the request of a record, also of one with two options beside the others."""
+        beside = {name: kept[name] for name in BESIDE if name in kept}
+        return super().of_json({**kept, "options": kept["options"] | beside})
 
 
-class Runs:
+class Runs(EditService[TrackRequest]):
     """Starts tracking runs and commits their results; thread-safe."""
 
-    def __init__(
-        self,
-        store: WorkspaceStore,
-        recording: Callable[[str], Recording],
-        runner: JobRunner,
-        jobs: JobBook,
-        publish: Callable[[Event], None],
-        database_url: str,
-    ) -> None:
-        """``recording``: opens a recording by its id."""
-        self._store, self._recording, self._runner, self._jobs = store, recording, runner, jobs
-        self._publish, self._database_url = publish, database_url
+    kind = "tracking"
+    request = TrackRequest
+
+    def __init__(self, context: JobContext) -> None:
+        super().__init__(context)
         self._kept: set[str] = set()
 
     def expect(self) -> None:
         """Prepare a worker process for a run, unless one is already running."""
-        self._runner.make_ready(tracking.load_default_method)
+        self._context.runner.make_ready(tracking.load_default_method)
 
     def keep(self, job_id: str) -> None:
         """Mark a run so that its results are committed even if it is cancelled."""
@@ -88,84 +82,81 @@ class Runs:
         ``chosen``: fields of ``RunOptions``.  ``edit``: id of the edit and the job; if ``author``
         has already started a job with this id, it is returned.
         """
-        request = TrackRequest(start, stop, labels, RunOptions(**chosen))
-        recording, kept = self._recording(sequence), request.as_json()
+        chosen_labels = None if labels is None else tuple(labels)
+        request = TrackRequest(start, stop, chosen_labels, RunOptions(**chosen))
+        return self.begin(sequence, request, author, edit)
 
-        def begin(job_id: str) -> Job:
-            job = Job("tracking", sequence, job_id, owner=author, edit=job_id, request=kept)
-            return self._begin(recording, request, job)
-
-        return self._jobs.begin_once(edit, author, begin)
-
-    def again(self, job: Job) -> dict[str, Any] | None:
-        """Restart a run of an ended server; return its result if it was already committed.
-
-        Raises the errors of ``start``.
-        """
+    def _prepare(self, request: TrackRequest, job: Job) -> Submission:
         recording = self._recording(job.sequence or "")
-        made = self._store.find(recording.manifest.id, job.edit or job.id)
-        if made is not None:
-            return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
-        self._begin(recording, TrackRequest.of_json(job.request or {}), job)
-        return None
-
-    def _begin(self, recording: Recording, request: TrackRequest, job: Job) -> Job:
-        author, edit = job.owner or "", job.edit or job.id
         self._store.require_writable()
-        sequence, overwrite = recording.manifest.id, request.options.overwrite
+        sequence = recording.manifest.id
         tracking.require_method(request.options.method)
-        start, stop = request.start, request.stop
         chosen = None if request.labels is None else list(request.labels)
-        seeds = tracking.prepare(self._store, recording, chosen, start, stop)
-        locked = frozenset(label.id for label in self._store.palette(sequence) if label.locked)
+        seeds = tracking.prepare(self._store, recording, chosen, request.start, request.stop)
+        palette = self._store.palette(sequence)
         work = tracking.TrackingWork(
             recording.files,
-            self._database_url,
-            start,
-            stop,
+            self._context.database,
+            request.start,
+            request.stop,
             seeds,
             request.options,
-            locked,
+            frozenset(label.id for label in palette if label.locked),
         )
-        ids = tuple(seed.label for seed in seeds)
-        names = {label.id: label.name for label in self._store.palette(sequence)}
         pending = tracking.PendingEdit(
-            self._store, sequence, recording.identity, start, ids, overwrite
+            self._store,
+            sequence,
+            recording.identity,
+            request.start,
+            tuple(seed.label for seed in seeds),
+            request.options.overwrite,
         )
+        names = {label.id: label.name for label in palette}
         guard = self._store.guards.begin(sequence, TRACKING)
-
-        def on_item(job: Job, found: FrameResult) -> None:
-            pending.results.append(found)
-            numbers, values = tracking.flat(found)
-            self._publish(Provisional(sequence, found.frame, job.id, numbers, values, found))
-
-        def finish(job: Job, cancelled: bool) -> dict[str, Any]:
-            if cancelled and job.id not in self._kept:
-                return tracking.NOTHING | {MESSAGE: "no label was changed"}
-            labelled = "1 label" if len(ids) == 1 else f"{len(ids)} labels"
-            summary = f"tracked {labelled}, frames {start} to {stop}, {request.options.method}"
-            outcome = counted(pending.results, start, names)
-            return _told(pending.commit(edit, author, summary), names, outcome)
-
-        def done(job: Job) -> None:
-            self._kept.discard(job.id)
-            self._store.guards.end(guard)
-            frames = tuple(found.frame for found in pending.results)
-            self._publish(Retracted(sequence, job.id, frames))
-
-        def restart(job: Job) -> None:
-            frames = tuple(found.frame for found in pending.results)
-            pending.results.clear()
-            self._publish(Retracted(sequence, job.id, frames))
-
-        try:
-            return self._runner.submit(job, work, finish, on_item, done, restart)
-        except BaseException:
-            self._store.guards.end(guard)
-            raise
+        return job, work, _Run(request, pending, names, guard, self._kept, self._context)
 
 
-def _told(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dict[str, Any]:
+@dataclass(frozen=True)
+class _Run(Receiver):
+    """Publishes the provisional labels of a run, and commits them at its end."""
+
+    request: TrackRequest
+    pending: tracking.PendingEdit
+    names: Mapping[int, str]
+    guard: Guard
+    kept: set[str]
+    context: JobContext
+
+    def receive(self, job: Job, item: FrameResult) -> None:
+        self.pending.results.append(item)
+        numbers, values = tracking.flat(item)
+        sequence = self.pending.sequence
+        self.context.publish(Provisional(sequence, item.frame, job.id, numbers, values, item))
+
+    def restart(self, job: Job) -> None:
+        frames = tuple(found.frame for found in self.pending.results)
+        self.pending.results.clear()
+        self.context.publish(Retracted(self.pending.sequence, job.id, frames))
+
+    def finish(self, job: Job, cancelled: bool) -> dict[str, Any]:
+        if cancelled and job.id not in self.kept:
+            return tracking.NOTHING | {MESSAGE: "no label was changed"}
+        pending, request = self.pending, self.request
+        count = len(pending.labels)
+        labelled = "1 label" if count == 1 else f"{count} labels"
+        frames = f"frames {request.start} to {request.stop}"
+        summary = f"tracked {labelled}, {frames}, {request.options.method}"
+        outcome = counted(pending.results, request.start, self.names)
+        result = pending.commit(job.edit or job.id, job.owner or "", summary)
+        return _report(result, self.names, outcome)
+
+    def end(self, job: Job) -> None:
+        self.kept.discard(job.id)
+        self.context.store.guards.end(self.guard)
+        self.restart(job)
+
+
+def _report(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> dict[str, Any]:
     """Return a run's result with ``outcome``, and with names and reasons of left-out labels."""
     left_out: Mapping[int, str] = result["left_out"]
     if not left_out:
