@@ -1,0 +1,157 @@
+"""People who are missing or have left are found again by place, clothes and stature."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from staged_people import (
+    BLUE,
+    OPTIONS,
+    RED,
+    SURE,
+    UP,
+    as_tall,
+    body,
+    crossing,
+    somebody,
+    staged,
+)
+
+from pointbrush.tracking import Seed, TrackOptions
+from pointbrush.tracking.people.arrivals import come_back, mistakable
+from pointbrush.tracking.people.group import Group, outcome
+from pointbrush.tracking.tracker import Run
+
+
+def test_who_was_not_met_where_he_was_expected_is_missing_in_the_same_frame() -> None:
+    near, gone = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, RED, well=2)
+    observation = staged(body(0.1, RED))
+    come_back(observation, [near, gone], 30, now=10)
+    assert np.all(observation.owner == 1)
+
+
+def test_who_is_missing_is_looked_for_in_what_another_has_by_clothes() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, BLUE, well=5)
+    observation = staged(body(0.0, RED), body(0.3, BLUE))
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert np.mean(observation.owner[:30] == 1) > 0.6
+    assert np.all(observation.owner[33:] == 2)
+
+
+@pytest.mark.parametrize(("wear", "doubted"), [(RED, True), (BLUE, False)])
+def test_who_is_found_where_another_dressed_alike_is_missing_is_doubted(
+    wear: np.ndarray, doubted: bool
+) -> None:
+    found, gone = somebody(1, 0.0, RED, well=5), somebody(2, 0.2, wear, well=5)
+    found.frames_unseen = gone.frames_unseen = 4
+    observation = staged(body(0.1, RED))
+    observation.owner[:] = 1
+    assert (mistakable(observation, [found, gone], found, 10) == [gone]) == doubted
+    group = Group(OPTIONS, [found, gone], 0.1, 0.01, observation.flat, UP, 30.0, 10)
+    group.doubt(observation, found, SURE)
+    assert found.identity.doubts == ({2} if doubted else set())
+    assert gone.identity.doubts == ({1} if doubted else set())
+    # The other is found elsewhere: in clothes that both wear, either may still be either.
+    found.frames_unseen, gone.well = 0, 10
+    observation.owner[15:] = 2
+    group.doubt(observation, found, SURE)
+    assert bool(found.identity.doubts) == doubted
+    # Painted anew, or looked for no more, the other is not he.
+    group.drop(2)
+    assert not found.identity.doubts
+
+
+def test_who_has_two_bodies_is_doubted_while_another_is_missing() -> None:
+    both, gone = somebody(1, 0.0, RED, well=9), somebody(2, 0.3, RED, well=5)
+    group = Group(OPTIONS, [both, gone], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0, 10)
+    observation = staged(body(0.0, RED), body(0.3, RED))
+    observation.owner[:30] = 1
+    group.doubt(observation, both, replace(SURE, size=1.0))
+    assert not both.identity.doubts
+    observation.owner[:] = 1
+    group.doubt(observation, both, replace(SURE, size=2.0))
+    assert both.identity.doubts
+    assert gone.identity.doubts
+
+
+def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
+    made = crossing(stranger=False, frames=2)
+    first, order = made[0].truth, [0, 1]
+    seeds = [Seed(n, np.flatnonzero(first == n)) for n in (1, 2)]
+    run = Run(made.__getitem__, order, seeds, lambda _: None, TrackOptions())
+    run.start(seeds)
+    run.scene.close()
+    assert run.people.group is not None
+    assert len(run.people.group.people) == 2
+    for person in run.people.group.people:
+        scraps = staged(body(0.0, RED))
+        scraps.owner[:2] = person.label
+        assert person.elsewhere(scraps, 1)
+
+
+def test_scraps_are_not_where_somebody_was_well_seen() -> None:
+    person = somebody(1, 0.0, RED, well=4)
+    observation = staged(body(2.0, RED), body(0.2, RED))
+    # One point in a cell, of a few that lie elsewhere, is hardly anything of him.
+    observation.cells.count[:30] = 1
+    observation.owner[:10] = 1
+    person.follow(observation, np.array([2.0, 0.0, 0.0]), 9)
+    assert person.well == 4
+    come_back(observation, [person], 30, now=10)
+    assert np.all(observation.owner[30:] == 1)
+
+
+@pytest.mark.parametrize(("tops", "back"), [([1.7, 1.71], False), ([1.7, 1.71, 1.69], True)])
+@pytest.mark.parametrize("tall", [1.7, 1.8])
+def test_a_newcomer_is_a_person_who_left_only_once_stature_tells(
+    tops: list[float], back: bool, tall: float
+) -> None:
+    person, newcomer = somebody(1, 0.0, RED, well=4), somebody(-1, 0.3, RED, well=9)
+    person.at_side, person.frames_unseen, newcomer.since = True, 5, 8
+    person.identity.stature.tops, newcomer.identity.stature.tops = [tall] * 3, tops
+    observation = staged(body(0.3, RED))
+    observation.owner[:] = -1
+    come_back(observation, [person, newcomer], 30, now=10)
+    returned = back and tall == 1.7
+    assert np.all(observation.owner == (1 if returned else -1))
+    if returned:
+        person.follow(observation, np.zeros(3), 10)
+        person.identity.confidence = 1.0
+        state = outcome(observation, person, SURE).state
+        assert state.confidence <= OPTIONS.body.doubted_confidence
+
+
+def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:
+    gone = [as_tall(1, 0.05, 0.0), as_tall(2, 0.1, 0.2)]
+    for person in gone:
+        person.well = 5
+    observation = staged(body(0.0, RED, 0.2), coloured=False)
+    come_back(observation, gone, 30, now=10)
+    assert np.all(observation.owner == 2)
+
+
+@pytest.mark.parametrize("touching", [False, True])
+def test_of_two_bodies_that_one_has_each_is_whose_stature_it_has(touching: bool) -> None:
+    both, gone = as_tall(1, 0.0, 0.0), as_tall(2, 0.0, 0.2)
+    gone.well = 5
+    hands = np.stack([np.linspace(0.3, 0.5, 3), np.full(3, 0.5), np.full(3, 3.0)], axis=1)
+    between = [(hands, np.tile(RED, (3, 1)))] if touching else []
+    observation = staged(body(0.0, RED, 0.2), body(0.6, RED), *between, coloured=False)
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert observation.owner[[0, 30]].tolist() == [2, 1]
+    assert both.identity.doubts == {2}
+    assert gone.identity.doubts == {1}
+
+
+def test_a_raised_arm_is_nobody_elses() -> None:
+    both, gone = as_tall(1, 0.0, 0.0), as_tall(2, 0.0, 0.2)
+    gone.well = 5
+    arm = np.stack([np.linspace(0.3, 0.7, 5), np.linspace(0.3, -0.1, 5), np.full(5, 3.0)], axis=1)
+    observation = staged(body(0.0, RED), (arm, np.tile(RED, (5, 1))), coloured=False)
+    observation.owner[:] = 1
+    come_back(observation, [both, gone], 30, now=10)
+    assert np.all(observation.owner == 1)
