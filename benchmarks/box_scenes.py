@@ -22,7 +22,6 @@ from pointbrush.formats.options import Limits, ReadOptions
 from pointbrush.formats.readers.feather import argoverse_poses, read_feather, read_table
 from pointbrush.formats.readers.pcd import read_pcd
 from pointbrush.geometry.quaternions import rotation_of
-from pointbrush_samples.traffic import traffic
 from pointbrush.sequences.floor import find_floor
 from pointbrush_samples.traffic import traffic
 

@@ -23,9 +23,8 @@ from distributed import LocalCluster
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import worker
 from pointbrush.jobs.job import Job
-from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Channel, DaskExecutor, brief_logs
-from pointbrush.jobs import JobRunner, Receiver
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually

@@ -11,12 +11,11 @@ from pathlib import Path
 import pytest
 
 from pointbrush.jobs.job import Job
-from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Channel
 from pointbrush.sequences import verify
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
-from pointbrush.jobs import JobRunner, Receiver
 from pointbrush.work.imports.requests import ImportRequest
 from tests.dask_cluster import DaskCluster
 from tests.test_jobs import Count, Seen, cluster, scheduler, seen  # noqa: F401  # fixtures

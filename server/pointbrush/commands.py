@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from pointbrush import arguments, printing
 from pointbrush.accounts.people import expiry_of
+from pointbrush.commands.following import follow
 from pointbrush.database.integrity import check_database
 from pointbrush.errors import (
     BadInputError,
@@ -22,11 +23,10 @@ from pointbrush.errors import (
     PointbrushError,
     UnavailableError,
 )
-from pointbrush.commands.following import follow
-from pointbrush.settings.definitions import chosen, has_password
-from pointbrush.system.permissions import open_to_others
 from pointbrush.printing import Answer
 from pointbrush.settings import Settings, seconds_of
+from pointbrush.settings.definitions import chosen, has_password
+from pointbrush.system.permissions import open_to_others
 from pointbrush.work.backups.backup import DATABASE, move_labels, own_url, restore_backup
 from pointbrush.work.backups.series import BackupSeries
 from pointbrush.work.imports.options import LabelOptions

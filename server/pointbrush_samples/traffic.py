@@ -15,7 +15,6 @@ import numpy as np
 from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.geometry.quaternions import quaternion_of
-from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush.samples.geometry import Array, inverse, rigid, vec, yaw
 from pointbrush.samples.render import Solid
 from pointbrush.samples.reproducible import cos, matmul, norm, norms, sin

@@ -39,7 +39,6 @@ from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.importing import ImportWork
 from pointbrush.work.imports.label_reading import LabelRequest, ReadLabelsWork
 from pointbrush.work.imports.requests import ImportRequest
-from pointbrush.jobs.worker import Channel
 from tests.formats.mutation_bases import Base, bases, recording
 
 SPACE = 2 << 30

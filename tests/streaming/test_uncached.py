@@ -17,6 +17,7 @@ from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.stock import OpenFrame, Shelf
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
@@ -87,7 +88,7 @@ def test_a_long_loop_costs_no_thread_once_it_was_seen(tmp_path: Path, values: st
         hub = Counting(workspace, Metrics())
         if values == "none":
             # Values are kept as long as there is room; points do not depend on it.
-            hub.values._budget = 0
+            hub.values = MessageCache(budget=0)
         async with hub.running():
             reader = Reader(hub)
             running = asyncio.create_task(reader.run())
@@ -135,8 +136,8 @@ def test_frames_on_the_shelf_are_bounded_by_the_files_one_may_open() -> None:
     shelf = Shelf(limit=3)
     for number in range(5):
         shelf.put(("a", number), OpenFrame(stored=None, table=None, depth=None))  # type: ignore[arg-type]
-        shelf.get(("a", 0))
-    assert [number for number in range(5) if shelf.get(("a", number))] == [0, 3, 4]
+        shelf.known(("a", 0))
+    assert [number for number in range(5) if shelf.known(("a", number))] == [0, 3, 4]
     shelf.forget("a")
     assert len(shelf) == 0
 

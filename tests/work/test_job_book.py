@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from pointbrush.jobs.job import Job
-from pointbrush.jobs.runner import JobRunner
-from pointbrush.jobs import JobRunner, Receiver
+from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_book import JobBook, record_of
 from tests.test_jobs import Count

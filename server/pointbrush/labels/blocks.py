@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import threading
-from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +10,7 @@ from typing import Any
 import numpy as np
 from sqlalchemy import ColumnElement, Connection, Table, and_, bindparam, select
 
+from pointbrush.cache import Cache
 from pointbrush.database.schema import edit_blocks, snapshots
 from pointbrush.labels.packing import BLOCK, Change, States, decode_change, decode_states
 
@@ -47,40 +46,17 @@ class Block:
         self.age += 1
 
 
-class BlockCache:
-    """The most recently used blocks of all sequences, up to a number of bytes; thread-safe."""
+class BlockCache(Cache[tuple[int, Place], Block]):
+    """The most recently used blocks of all sequences, by sequence number and place."""
 
-    def __init__(self, limit: int = CACHE_BYTES) -> None:
-        self._limit = limit
-        self._bytes = 0
-        self._blocks: OrderedDict[tuple[int, Place], tuple[Block, int]] = OrderedDict()
-        self._lock = threading.Lock()
+    def keep(self, number: int, place: Place, block: Block) -> None:
+        """Cache a block, or update its size."""
+        states = 0 if block.states is None else block.states.nbytes
+        self.put((number, place), block, ENTRY_BYTES + states)
 
-    def get(self, number: int, place: Place) -> Block | None:
-        """Return a cached block, or None."""
-        with self._lock:
-            found = self._blocks.get((number, place))
-            if found is None:
-                return None
-            self._blocks.move_to_end((number, place))
-            return found[0]
-
-    def put(self, number: int, place: Place, block: Block) -> None:
-        """Cache a block or update its size; the least recently used blocks are evicted."""
-        cost = ENTRY_BYTES + (0 if block.states is None else block.states.nbytes)
-        with self._lock:
-            previous = self._blocks.pop((number, place), None)
-            self._bytes += cost - (previous[1] if previous else 0)
-            self._blocks[number, place] = (block, cost)
-            while self._bytes > self._limit and len(self._blocks) > 1:
-                _, (_, freed) = self._blocks.popitem(last=False)
-                self._bytes -= freed
-
-    def drop(self, number: int) -> None:
+    def forget(self, number: int) -> None:
         """Forget all blocks of a sequence."""
-        with self._lock:
-            for key in [key for key in self._blocks if key[0] == number]:
-                self._bytes -= self._blocks.pop(key)[1]
+        self.drop(*(key for key in self.held() if key[0] == number))
 
 
 def block_size(points: int, block: int) -> int:

@@ -5,7 +5,6 @@ A draft does not change the state; a discarded draft has no effect.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sqlalchemy import Connection
 
+from pointbrush.cache import Cache
 from pointbrush.labels.blocks import Place
 from pointbrush.labels.packing import (
     BLOCK,
@@ -47,18 +47,17 @@ class Changes(Mapping[Place, Change]):
     def __init__(self, packed: Mapping[Place, bytes] | None = None) -> None:
         """``packed``: an edit's changes as stored in the journal."""
         self._packed: dict[Place, bytes] = dict(packed or {})
-        self._open: OrderedDict[Place, Change] = OrderedDict()
-        self._points = 0
+        self._open: Cache[Place, Change] = Cache(OPEN_POINTS)
 
     def __getitem__(self, place: Place) -> Change:
-        change = self._open.get(place)
+        change = self._open.known(place)
         return decode_change(self._packed[place]) if change is None else change
 
     def __contains__(self, place: object) -> bool:
-        return place in self._open or place in self._packed
+        return place in self._packed or place in self._open
 
     def __iter__(self) -> Iterator[Place]:
-        return iter(sorted(self._open.keys() | self._packed.keys()))
+        return iter(sorted([*self._open.held(), *self._packed]))
 
     def __len__(self) -> int:
         return len(self._open) + len(self._packed)
@@ -66,24 +65,18 @@ class Changes(Mapping[Place, Change]):
     def put(self, place: Place, change: Change) -> None:
         """Set the change of a place."""
         self._packed.pop(place, None)
-        earlier = self._open.pop(place, None)
-        self._points += len(change.indices) - (0 if earlier is None else len(earlier.indices))
-        self._open[place] = change
-        while self._points > OPEN_POINTS and len(self._open) > 1:
-            oldest, old = self._open.popitem(last=False)
-            self._points -= len(old.indices)
+        for oldest, old in self._open.put(place, change, len(change.indices)):
             self._packed[oldest] = encode_change(old)
 
     def packed(self, place: Place) -> bytes:
         """Return the change of a place as stored in the journal."""
-        change = self._open.get(place)
+        change = self._open.known(place)
         return self._packed[place] if change is None else encode_change(change)
 
     def clear(self) -> None:
         """Remove all changes."""
         self._packed.clear()
-        self._open.clear()
-        self._points = 0
+        self._open.drop(*self._open.held())
 
 
 @dataclass(slots=True, eq=False)

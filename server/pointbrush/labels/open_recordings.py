@@ -137,7 +137,7 @@ class OpenRecordings:
             if state is not None:
                 self._seen[state.number] = state.revision
         if state is not None:
-            self._cache.drop(state.number)
+            self._cache.forget(state.number)
 
     def catch_up(self) -> None:
         """Apply other processes' commits, and notify the subscribers.

@@ -173,7 +173,7 @@ class SequenceState:
 
     def block(self, connection: Connection | None, place: Place) -> Block:
         """Return a block; raises NotInMemoryError if it must be read without a connection."""
-        found = self._blocks.get(self.number, place)
+        found = self._blocks.known((self.number, place))
         if found is not None:
             return found
         frame, layer, block = place
@@ -192,7 +192,7 @@ class SequenceState:
         Raises NotInMemoryError for missing blocks without a connection.
         """
         places = [(frame, layer, block) for block in range(first, last + 1)]
-        found = [self._blocks.get(self.number, place) for place in places]
+        found = [self._blocks.known((self.number, place)) for place in places]
         missing = [place[2] for place, block in zip(places, found, strict=True) if block is None]
         if missing:
             if connection is None:
@@ -204,25 +204,25 @@ class SequenceState:
             for block in missing:
                 held = loaded.get(block) or Block(None, 0)
                 found[block - first] = held
-                self._blocks.put(self.number, (frame, layer, block), held)
+                self._blocks.keep(self.number, (frame, layer, block), held)
         return [block for block in found if block is not None]
 
     def adopt(self, changes: Mapping[Place, Change]) -> None:
         """Apply changes to blocks in memory."""
         for place in changes:
-            block = self._blocks.get(self.number, place)
+            block = self._blocks.known((self.number, place))
             if block is not None:
                 block.apply(changes[place], block_size(self.frame_points(place[0]), place[2]))
-                self._blocks.put(self.number, place, block)
+                self._blocks.keep(self.number, place, block)
 
     def cached(self, place: Place) -> Block | None:
         """Return a block in memory, or None."""
-        return self._blocks.get(self.number, place)
+        return self._blocks.known((self.number, place))
 
     def forget_blocks(self) -> None:
         """Drop all blocks and the undone edits from memory."""
         self._undone = None
-        self._blocks.drop(self.number)
+        self._blocks.forget(self.number)
 
 
 def visible(states: States, exists: NDArray[np.bool_]) -> States:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,6 +10,7 @@ from typing import Generic, NamedTuple, Protocol, TypeVar, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import NotFoundError
 from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.samples.geometry import Array, Field, dot3, inverse, norm3, vec, wobble
@@ -120,7 +120,7 @@ class Recording:
     """Number of cached frames."""
 
     def __post_init__(self) -> None:
-        self._made: OrderedDict[int, _Made] = OrderedDict()
+        self._made: Cache[int, _Made] = Cache(self.keep)
 
     def __len__(self) -> int:
         return self.count
@@ -171,12 +171,7 @@ class Recording:
     def _make(self, i: int) -> _Made:
         if not 0 <= i < self.count:
             raise NotFoundError(f"expected a frame 0..{self.count - 1}, got {i}")
-        made = self._made.get(i)
-        if made is None:
-            made = self._made[i] = self._render(i)
-            while len(self._made) > self.keep:
-                self._made.popitem(last=False)
-        return made
+        return self._made.get(i, lambda: self._render(i))
 
     def _render(self, i: int) -> _Made:
         """Cast the moving solids into the still room, light it, and simulate the sensor."""

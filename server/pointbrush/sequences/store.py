@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import logging
-from collections import OrderedDict
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import NotFoundError
 from pointbrush.sequences.pictures import CAMERAS, Projection, find_picture, read_projections
 from pointbrush.sequences.storage.frame_files import (
@@ -41,8 +40,7 @@ class Sequence:
         self.manifest = self.files.manifest()
         self.path = self.files.path
         self.identity = self.manifest.identity
-        self._frames: OrderedDict[int, StoredFrame] = OrderedDict()
-        self._lock = Lock()
+        self._frames: Cache[int, StoredFrame] = Cache(self.files.open_frames)
 
     def __reduce__(self) -> tuple[type[Sequence], tuple[RecordingFiles]]:
         """Pickle the place of the files; another process opens the recording again."""
@@ -54,18 +52,7 @@ class Sequence:
     def __getitem__(self, index: int) -> StoredFrame:
         if not 0 <= index < len(self):
             raise NotFoundError(f"expected a frame from 0 to {len(self) - 1}, got {index}")
-        with self._lock:
-            frame = self._frames.get(index)
-            if frame is not None:
-                self._frames.move_to_end(index)
-                return frame
-        # Outside the lock: fetching its files may take long.
-        opened = StoredFrame(self._files(index), self.manifest)
-        with self._lock:
-            frame = self._frames.setdefault(index, opened)
-            if len(self._frames) > self.files.open_frames:
-                self._frames.popitem(last=False)
-        return frame
+        return self._frames.get(index, lambda: StoredFrame(self._files(index), self.manifest))
 
     def other(self, index: int) -> dict[str, NDArray[Any]]:
         """Further fields of a frame's source, (N,) in source order; {} where it had none.

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.coordinates import Coordinates
-from pointbrush.sequences.storage.cache import Cache
 from pointbrush.sequences.storage.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.storage.manifest import Manifest
 

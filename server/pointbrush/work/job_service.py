@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
 from pointbrush.job import Job, JobKind
-from pointbrush.jobs import JobRunner, Receiver
+from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.labels import Commit
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.events import Event

@@ -18,6 +18,7 @@ from weakref import ref
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import DamagedError
 from pointbrush.sequences.columns import from_local
 from pointbrush.sequences.octree.arrays import (
@@ -36,7 +37,6 @@ from pointbrush.sequences.octree.arrays import (
 )
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.octree.packed import PACKED
-from pointbrush.sequences.storage.cache import Cache
 from pointbrush.sequences.storage.manifest import Manifest
 from pointbrush.sequences.storage.verification import stamp_of, verifier
 

@@ -10,11 +10,11 @@ import logging
 import queue
 import threading
 import time
-from collections import OrderedDict
 from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
+from pointbrush.cache import Cache
 from pointbrush.errors import DamagedError, UnavailableError
 from pointbrush.system.resources import shortage
 
@@ -52,26 +52,26 @@ class Verifier:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._outcomes: OrderedDict[str, tuple[Stamp, str]] = OrderedDict()
+        self._outcomes: Cache[Path, tuple[Stamp, str]] = Cache(REMEMBERED)
         self._later: queue.SimpleQueue[tuple[Path, str]] = queue.SimpleQueue()
         self._queued: set[Path] = set()
         self._thread: threading.Thread | None = None
 
     def refuse_damaged(self, path: Path) -> None:
         """Raise DamagedError if a file is known to be damaged; takes one table lookup."""
-        stamp, problem = self._outcomes.get(str(path), _SOUND)
+        stamp, problem = self._outcomes.known(path) or _SOUND
         if problem and stamp_of(path) == stamp:
             raise DamagedError(problem)
         if problem:
-            self._forget(path)
+            self._outcomes.drop(path)
 
     def suspects(self, path: Path) -> bool:
         """Whether a file was found to be damaged in this or an earlier state."""
-        return bool(self._outcomes.get(str(path), _SOUND)[1])
+        return bool((self._outcomes.known(path) or _SOUND)[1])
 
     def knows(self, path: Path, stamp: Stamp) -> bool:
         """Whether the file in this state was compared; raises DamagedError when it is damaged."""
-        outcome = self._outcomes.get(str(path))
+        outcome = self._outcomes.known(path)
         if outcome is None or outcome[0] != stamp:
             return False
         if outcome[1]:
@@ -149,15 +149,7 @@ class Verifier:
         if found != checksum:
             problem = f"the bytes of {path.name} are not those that were imported"
             log.info("%s: expected checksum %s, got %s", path, checksum, found)
-        with self._lock:
-            self._outcomes[str(path)] = stamp, problem
-            self._outcomes.move_to_end(str(path))
-            while len(self._outcomes) > REMEMBERED:
-                self._outcomes.popitem(last=False)
-
-    def _forget(self, path: Path) -> None:
-        with self._lock:
-            self._outcomes.pop(str(path), None)
+        self._outcomes.put(path, (stamp, problem))
 
 
 verifier = Verifier()

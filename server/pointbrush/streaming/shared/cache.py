@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Hashable
+
+from pointbrush.cache import Cache
 
 Versioned = tuple[int, bytes]
 """The revision of a message, and its bytes."""
@@ -16,18 +17,13 @@ class MessageCache:
     """LRU cache of bytes by key; concurrent calls for a key share one task."""
 
     def __init__(self, budget: int) -> None:
-        self._budget = budget
-        self._entries: OrderedDict[Hashable, Versioned] = OrderedDict()
+        self._entries: Cache[Hashable, Versioned] = Cache(budget)
         self._making: dict[Hashable, asyncio.Task[Versioned]] = {}
-        self.nbytes = 0
 
     def known(self, key: Hashable, least: int = 0) -> Versioned | None:
         """Return the cached message of ``key`` of revision ``least`` or newer, or None."""
-        found = self._entries.get(key)
-        if found is None or found[0] < least:
-            return None
-        self._entries.move_to_end(key)
-        return found
+        found = self._entries.known(key)
+        return None if found is None or found[0] < least else found
 
     async def get(
         self, key: Hashable, make: Callable[[], Awaitable[Versioned]], least: int = 0
@@ -53,19 +49,7 @@ class MessageCache:
     async def _make(self, key: Hashable, make: Callable[[], Awaitable[Versioned]]) -> Versioned:
         try:
             made = await make()
-            self._put(key, made)
+            self._entries.put(key, made, ENTRY_BYTES + len(made[1]))
             return made
         finally:
             del self._making[key]
-
-    def _put(self, key: Hashable, made: Versioned) -> None:
-        old = self._entries.pop(key, None)
-        self._entries[key] = made
-        self.nbytes += cost(made) - (0 if old is None else cost(old))
-        while self.nbytes > self._budget:
-            self.nbytes -= cost(self._entries.popitem(last=False)[1])
-
-
-def cost(made: Versioned) -> int:
-    """Return the memory of a cached message in bytes."""
-    return ENTRY_BYTES + len(made[1])

@@ -9,11 +9,11 @@ import asyncio
 import contextlib
 import sys
 import time
-from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from pointbrush.cache import Cache
 from pointbrush.errors import PointbrushError
 from pointbrush.sequences import Sequence, StoredFrame
 from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
@@ -70,38 +70,19 @@ class OpenFrame:
         return first, self.table.firsts[piece.stop] - first
 
 
-class Shelf:
-    """The most recently used frames, within the limit of open files.  Event loop only.
+class Shelf(Cache[tuple[Key, int], OpenFrame]):
+    """The most recently used frames, within the limit of open files.
 
     A frame takes a few kilobytes and a mapped file; its bytes are in the page cache.
     """
 
     def __init__(self, limit: int | None = None) -> None:
         """``limit``: number of kept frames; by default from the process's limit of open files."""
-        self._limit = most_frames() if limit is None else limit
-        self._frames: OrderedDict[tuple[Key, int], OpenFrame] = OrderedDict()
-
-    def __len__(self) -> int:
-        return len(self._frames)
-
-    def get(self, key: tuple[Key, int]) -> OpenFrame | None:
-        """Return a frame of a recording if it is open, otherwise None."""
-        found = self._frames.get(key)
-        if found is not None:
-            self._frames.move_to_end(key)
-        return found
-
-    def put(self, key: tuple[Key, int], frame: OpenFrame) -> OpenFrame:
-        """Keep a frame unless its key is taken; return the frame of the key."""
-        kept = self._frames.setdefault(key, frame)
-        while len(self._frames) > self._limit:
-            self._frames.popitem(last=False)
-        return kept
+        super().__init__(most_frames() if limit is None else limit)
 
     def forget(self, recording: Key) -> None:
         """Close a recording's frames when its last viewer has left."""
-        for key in [key for key in self._frames if key[0] == recording]:
-            del self._frames[key]
+        self.drop(*(key for key in self.held() if key[0] == recording))
 
 
 def most_frames() -> int:
@@ -139,7 +120,7 @@ class Stock:
 
     def known_table(self, frame: int, *, depth: bool = False) -> FrameTable | None:
         """Return the levels of an open frame, or of its ``depth`` image if it has one."""
-        found = self._shelf.get((self.key, frame))
+        found = self._shelf.known((self.key, frame))
         if found is None:
             return None
         return found.depth if depth else found.table
@@ -151,7 +132,7 @@ class Stock:
 
     def ready(self, piece: Piece) -> Ready | None:
         """Return the result of ``messages`` if it needs no read."""
-        found = self._shelf.get((self.key, piece.frame))
+        found = self._shelf.known((self.key, piece.frame))
         if found is None or found.stored.large:
             return None
         values = self._values.known(piece.frame, *found.points_of(piece))
@@ -224,7 +205,7 @@ class Stock:
 
     async def _open(self, frame: int) -> OpenFrame:
         """Return an open frame; concurrent calls wait for the same thread."""
-        found = self._shelf.get((self.key, frame))
+        found = self._shelf.known((self.key, frame))
         if found is not None:
             return found
         task = self._opening.get(frame)
@@ -245,4 +226,4 @@ class Stock:
             return OpenFrame(stored, table, FrameTable.of(stored, depth=True))
 
         opened: OpenFrame = await self._run(look)
-        return self._shelf.put((self.key, frame), opened)
+        return self._shelf.get((self.key, frame), lambda: opened)

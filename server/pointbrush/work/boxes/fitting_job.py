@@ -19,13 +19,10 @@ from pointbrush.fitting import (
 )
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.jobs.job import MESSAGE, Job
-from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
-from pointbrush.labels import Label, LabelStore
-from pointbrush.labels.boxes.editing import BoxEdit
-from pointbrush.sequences import Sequence as Recording
-from pointbrush.jobs import Receiver
 from pointbrush.labels import Commit, Label, LabelStore
+from pointbrush.labels.boxes.editing import BoxEdit
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.boxes import FIT
@@ -33,7 +30,6 @@ from pointbrush.work.boxes.observing import observed
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, Submission
-from pointbrush.jobs.worker import Channel
 
 READING = 0.7
 """Approximate share of a job's time for reading frames."""

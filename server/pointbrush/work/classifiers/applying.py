@@ -15,9 +15,8 @@ from pointbrush.classify.models import Model, Models
 from pointbrush.classify.smoothing import Chances, answered
 from pointbrush.errors import BadInputError
 from pointbrush.jobs.job import MESSAGE, Job
-from pointbrush.jobs.runner import JobRunner
+from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
-from pointbrush.jobs import Receiver
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
@@ -36,7 +35,6 @@ from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
-from pointbrush.jobs.worker import Channel
 
 SUREST = 255
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -11,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.classify.asked import asked_points
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.doubt import Doubt, doubts, two_best
@@ -78,9 +77,8 @@ class Questions:
     ) -> None:
         self._store, self._frames = store, frames
         self._predictor, self._options = predictor, options
-        self._offered: OrderedDict[tuple[object, ...], Numbers] = OrderedDict()
+        self._offered: Cache[tuple[object, ...], Numbers] = Cache(MOST_OFFERED)
         """Stored numbers of the pieces in questions, by import, frame and centre."""
-        self._lock = threading.Lock()
 
     def of_frame(
         self, classifier: Classifier, recording: Recording, frame: int,
@@ -135,10 +133,7 @@ class Questions:
         middle = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
         away = np.linalg.norm(recording[view.frame].coordinates[piece] - middle, axis=1)
         x, y, z = (middle + np.asarray(manifest.shift)).tolist()
-        with self._lock:
-            self._offered[recording.identity, view.frame, x, y, z] = piece
-            while len(self._offered) > MOST_OFFERED:
-                self._offered.popitem(last=False)
+        self._offered.put((recording.identity, view.frame, x, y, z), piece)
         first, second = (classifier.classes[each] for each in doubt.classes)
         return Place(
             manifest.id, view.frame, (x, y, z), max(float(np.median(away)), view.place.size / 2),
@@ -149,8 +144,7 @@ class Questions:
         self, classifier: Classifier, recording: Recording, frame: int, centre: Sequence[float]
     ) -> Numbers:
         """Return the piece of a question; a forgotten one is found again."""
-        with self._lock:
-            known = self._offered.get((recording.identity, frame, *centre))
+        known = self._offered.known((recording.identity, frame, *centre))
         if known is not None:
             return known
         view = self._view(classifier, recording, frame, centre)

@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.classify.features import Described, describe, scale_of
 from pointbrush.errors import TooLargeError
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.storage.cache import Cache
 from pointbrush.work.annotate.painted_frame import frame_points
 from pointbrush.work.classifiers.frames import example_frame
 from pointbrush.work.classifiers.options import ClassifierOptions

@@ -10,13 +10,13 @@ from itertools import islice
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.classify.classifier import Classifier, Examples, balanced
 from pointbrush.classify.features import Described
 from pointbrush.classify.grid import connected, neighbours, number_cubes
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import IMPORTED, PAINTED
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.storage.cache import Cache
 from pointbrush.work.classifiers.described import DescribedFrames, Part
 from pointbrush.work.classifiers.naming import numbers_of
 from pointbrush.work.classifiers.options import ClassifierOptions

@@ -11,8 +11,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.jobs.job import Job
-from pointbrush.jobs.runner import JobRunner
-from pointbrush.jobs import Receiver
+from pointbrush.jobs.runner import Receiver
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED

@@ -24,7 +24,6 @@ from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
 from pointbrush.work.folder_store import ImportTarget
 from pointbrush.work.imports.requests import ImportRequest, SampleRequest
-from pointbrush.jobs.worker import Channel
 
 PART_POINTS = 1_000_000
 """Number of points of a large scan that are in memory per step."""

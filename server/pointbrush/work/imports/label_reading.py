@@ -49,10 +49,8 @@ from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
-from pointbrush.work.imports.requests import LABELS, UPLOAD
 from pointbrush.work.imports.requests import LABELS
 from pointbrush.work.job_request import JobRequest
-from pointbrush.jobs.worker import Channel
 
 if TYPE_CHECKING:
     from typing import Self

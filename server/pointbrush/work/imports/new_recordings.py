@@ -12,7 +12,7 @@ from pointbrush.database.guards import Guard
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import NotFoundError, PointbrushError
 from pointbrush.job import Job
-from pointbrush.jobs import Receiver
+from pointbrush.jobs.runner import Receiver
 from pointbrush.names import require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording

@@ -11,15 +11,11 @@ from pointbrush import formats
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import (
     ConflictError,
-    NotFoundError,
     PointbrushError,
     ReadOnlyError,
     UnavailableError,
 )
 from pointbrush.jobs.job import Job
-from pointbrush.jobs.runner import JobRunner
-from pointbrush.jobs.worker import Work
-from pointbrush.errors import ConflictError, PointbrushError, ReadOnlyError, UnavailableError
 from pointbrush.lazy import once
 from pointbrush.names import composed
 from pointbrush.sequences import Manifest
@@ -27,9 +23,6 @@ from pointbrush.work.events import SequencesChanged
 from pointbrush.work.imports.new_recordings import FileImports, SampleImports, register
 from pointbrush.work.imports.requests import ImportRequest, SampleRequest, drop_repeated
 from pointbrush.work.imports.source_labels import SourceLabels
-from pointbrush.work.job_book import JobBook
-from pointbrush.work.library import Library
-from pointbrush.work.trash import ids_for
 from pointbrush.work.job_service import JobContext
 
 if TYPE_CHECKING:

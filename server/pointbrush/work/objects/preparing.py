@@ -107,6 +107,7 @@ class Preparer:
         self._selectors, self._files = selectors, files
         self._waiting, self._done = waiting, done
         self._wishes: OrderedDict[Wish, tuple[Recording, int]] = OrderedDict()
+        """A bounded queue, newest last; as its entries are taken out, it is no ``Cache``."""
         self._working: Wish | None = None
         self._failed: set[Wish] = set()
         self._changed = threading.Condition()

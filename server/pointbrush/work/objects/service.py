@@ -6,8 +6,6 @@ A click consists of rays into a frame, and the points that can be selected.
 from __future__ import annotations
 
 import hashlib
-import threading
-from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.labels import FrameValues, LabelStore
 from pointbrush.selection import Points, Stroke, first_hits
@@ -161,8 +160,7 @@ class Objects:
         self._options = options or ObjectOptions()
         self._options.check()
         self._store, self._name = store, selector
-        self._offers: OrderedDict[str, _Offer] = OrderedDict()
-        self._lock = threading.Lock()
+        self._offers: Cache[str, _Offer] = Cache(self._options.answers)
         self._states = States(
             Selectors.parse(selector), folder, publish, compile_loops, self._options
         )
@@ -202,7 +200,7 @@ class Objects:
         if len(positives) == 0:
             return Answer((), 0, ready)
         negatives = surface_hits(points, clicks.negatives, shift, seen)
-        previous = self._offer(clicks.previous)
+        previous = self._offers.known(clicks.previous)
         mask = None if previous is None else previous.level.numbers
         found = self._states.candidates(recording, frame, points, positives, negatives, mask)
         clip = clicks.positives.to_local(shift).clip
@@ -211,7 +209,8 @@ class Objects:
             regions = [(clip.of(points, numbers), score) for numbers, score in regions]
         key = (*version, self._name, kept, found.ready, clicks.previous, *clicks.words())
         answer = _ladder(regions, repr(key).encode(), ready=found.ready)
-        self._remember(answer, version)
+        for each in answer.candidates:
+            self._offers.put(each.id, _Offer(each, version))
         return answer
 
     def take(
@@ -223,7 +222,7 @@ class Objects:
         labels that the stroke must not change are left out.  Raises StaleCandidateError for any
         other id, BadInputError for a level that is not offered.
         """
-        known = self._offer(candidate)
+        known = self._offers.known(candidate)
         if known is not None and known.version == self._version(recording, frame):
             return self._allowed(recording, frame, clicks, known.level)
         answer = self.answer(recording, frame, clicks)
@@ -256,18 +255,6 @@ class Objects:
         sequence = recording.manifest.id
         free = _free(self._store.values(sequence, frame), self._kept(sequence, clicks), clicks)
         return replace(level, numbers=level.numbers[free[level.numbers]])
-
-    def _offer(self, candidate: str) -> _Offer | None:
-        with self._lock:
-            return self._offers.get(candidate)
-
-    def _remember(self, answer: Answer, version: Version) -> None:
-        with self._lock:
-            for level in answer.candidates:
-                self._offers[level.id] = _Offer(level, version)
-                self._offers.move_to_end(level.id)
-            while len(self._offers) > self._options.answers:
-                self._offers.popitem(last=False)
 
 
 def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bool_]:

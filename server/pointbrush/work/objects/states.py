@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import BadInputError
 from pointbrush.selection import Points
 from pointbrush.selection.selectors import StateLostError, StoredSelector
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.storage.cache import Cache
 from pointbrush.work.events import Prepared
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import near, object_frame
@@ -61,8 +59,7 @@ class States:
         self._compile = compile_loops
         self._files = StateFiles(folder, options.disk_bytes)
         self._states: Cache[tuple[str, int], Any] = Cache(options.memory_bytes)
-        self._near: OrderedDict[tuple[str, int, bytes], _Near] = OrderedDict()
-        self._lock = threading.Lock()
+        self._near: Cache[tuple[str, int, bytes], _Near] = Cache(options.near_kept)
         self._preparer = Preparer(selectors, self._files, options.waiting, self._prepared)
 
     def close(self) -> None:
@@ -161,8 +158,7 @@ class States:
     def _forget(self, recording: Recording, frame: int) -> None:
         """Prepare a frame again after its selector has lost the state."""
         self._states.drop((recording.identity, frame))
-        with self._lock:
-            self._near.clear()
+        self._near.drop(*self._near.held())
         chosen = self._selectors.of(recording.manifest.id)
         if isinstance(chosen.selector, StoredSelector):
             path = self._files.path(recording.identity, chosen.name, chosen.selector.version, frame)
@@ -199,19 +195,14 @@ class States:
     ) -> _Near:
         middle = positives.mean(axis=0)
         here = (recording.identity, frame)
-        with self._lock:
-            for key, known in self._near.items():
-                inside = np.abs(positives - known.middle).max() < 0.5 * known.reach
-                if key[:2] == here and inside:
-                    self._near.move_to_end(key)
-                    return known
+        for key in self._near.held():
+            known = self._near.known(key) if key[:2] == here else None
+            if known and np.abs(positives - known.middle).max() < 0.5 * known.reach:
+                return known
         members = near(points, middle, self._options.near_reach, self._options.near_points)
         wanted = object_frame(recording[frame], recording.manifest, members)
         reach = float(np.abs(points.xyz[members] - middle).max(initial=0.0))
         selector = self._selectors.of(recording.manifest.id).selector
         made = _Near(selector.prepare(wanted), members, middle, reach)
-        with self._lock:
-            self._near[*here, middle.tobytes()] = made
-            while len(self._near) > self._options.near_kept:
-                self._near.popitem(last=False)
+        self._near.put((*here, middle.tobytes()), made)
         return made

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.cache import Cache
 from pointbrush.errors import DamagedError
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import LabelStore
@@ -26,8 +25,7 @@ class BoxChecker:
 
     def __init__(self, store: LabelStore, options: CheckOptions) -> None:
         self._store, self._options = store, options
-        self._known: OrderedDict[tuple[str, int], tuple[Hashable, BoxSketch]] = OrderedDict()
-        self._lock = threading.Lock()
+        self._known: Cache[tuple[str, int], tuple[Hashable, BoxSketch]] = Cache(REMEMBERED)
 
     def labels(self, sequence: str) -> set[int]:
         """Return the labels with boxes."""
@@ -66,8 +64,7 @@ class BoxChecker:
                 continue
             key = (changes.get(frame, 0), *(_key(box, frame) for box in here))
             place = (recording.identity, frame)
-            with self._lock:
-                known = self._known.get(place)
+            known = self._known.known(place)
             if known is None or known[0] != key:
                 try:
                     known = key, self._sketch(recording, frame, here)
@@ -75,7 +72,7 @@ class BoxChecker:
                     if str(error) not in unchecked:
                         unchecked.append(str(error))
                     continue
-                self._keep(place, known)
+                self._known.put(place, known)
             found[frame] = known[1]
         return found
 
@@ -84,13 +81,6 @@ class BoxChecker:
         label = np.where(values.deleted, np.uint16(0), values.label)
         xyz = stored.xyz.astype(np.float64) + np.array(recording.manifest.shift)
         return sketch_boxes(xyz, label, here, frame, self._options)
-
-    def _keep(self, place: tuple[str, int], known: tuple[Hashable, BoxSketch]) -> None:
-        with self._lock:
-            self._known[place] = known
-            self._known.move_to_end(place)
-            if len(self._known) > REMEMBERED:
-                self._known.popitem(last=False)
 
 
 def _key(box: OrientedBox, frame: int) -> Hashable:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from pointbrush.cache import Cache
 from pointbrush.errors import DamagedError
 from pointbrush.labels import FrameValues, Label, LabelStore
 from pointbrush.labels.types import PREDICTED
@@ -44,8 +43,7 @@ class Checker:
 
     def __init__(self, store: LabelStore, options: CheckOptions | None = None) -> None:
         self._store, self._options = store, options or CheckOptions()
-        self._known: OrderedDict[str, dict[int, Looked]] = OrderedDict()
-        self._lock = threading.Lock()
+        self._known: Cache[str, dict[int, Looked]] = Cache(REMEMBERED)
         self._boxes = BoxChecker(store, self._options)
 
     def check(self, recording: Recording, frames: range) -> Checked:
@@ -95,12 +93,8 @@ class Checker:
     def _sketch(
         self, recording: Recording, frame: int, changed: int
     ) -> tuple[Mapping[int, Sketch], Unsure]:
-        with self._lock:
-            known = self._known.setdefault(recording.identity, {})
-            self._known.move_to_end(recording.identity)
-            if len(self._known) > REMEMBERED:
-                self._known.popitem(last=False)
-            there = known.get(frame)
+        known = self._known.get(recording.identity, dict)
+        there = known.get(frame)
         if there is not None and there[0] == changed:
             return there[1:]
         values = self._store.values(recording.manifest.id, frame)
@@ -109,8 +103,7 @@ class Checker:
         shift = np.array(recording.manifest.shift)
         made = sketch_frame(stored.xyz, label, stored.pose, shift, self._options)
         unsure = _unsure(values, self._options)
-        with self._lock:
-            known[frame] = values.changed, made, unsure
+        known[frame] = values.changed, made, unsure
         return made, unsure
 
 

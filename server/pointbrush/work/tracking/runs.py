@@ -6,13 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from pointbrush.database.guards import TRACKING
-from pointbrush.jobs.job import MESSAGE, Job
-from pointbrush.jobs.runner import JobRunner
-from pointbrush.sequences import Sequence as Recording
-from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.database.guards import TRACKING, Guard
-from pointbrush.jobs import Receiver
+from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.runner import Receiver
 from pointbrush.tracking import FrameResult
 from pointbrush.work.events import Provisional, Retracted
 from pointbrush.work.job_request import JobRequest
