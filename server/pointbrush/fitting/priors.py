@@ -63,22 +63,19 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 """Words of categories that mean a class."""
 
 
-def priors_of(
-    category: str, known: Mapping[str, SizePrior] = BUILT_IN, names: Iterable[str] = ()
-) -> list[SizePrior]:
-    """Return the priors that a category may mean; an exact name in ``known`` has precedence.
+def priors_of(category: str, names: Iterable[str] = ()) -> list[SizePrior]:
+    """Return the priors that a category may mean; an exact name of a class has precedence.
 
     ``names``: further words, such as the label's name.  A generic vehicle may be a car, a van, a
     truck or a bus; an unknown category may be any class.
     """
-    by_name = {name.casefold(): prior for name, prior in known.items()}
     for text in (category, *names):
-        if text.casefold() in by_name:
-            return [by_name[text.casefold()]]
+        if text.casefold() in BUILT_IN:
+            return [BUILT_IN[text.casefold()]]
         words = set(re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", text).casefold()))
         for kind in ("cyclist", "truck", "bus", "van", "car", "pedestrian"):
             if words & set(NAMES[kind]):
-                return [by_name.get(kind, BUILT_IN[kind])]
+                return [BUILT_IN[kind]]
         if words & {"vehicle", "vehicles"}:
-            return [by_name.get(kind, BUILT_IN[kind]) for kind in VEHICLES]
-    return [by_name.get(kind, prior) for kind, prior in BUILT_IN.items()]
+            return [BUILT_IN[kind] for kind in VEHICLES]
+    return list(BUILT_IN.values())

@@ -134,12 +134,9 @@ class SequenceState:
         self.hidden[[label.id for label in self.palette.values() if not label.visible]] = True
         self.highest_label = max([self.highest_label, *self.palette])
 
-    def reload_counts(self, connection: Connection, frames: Sequence[int] | None = None) -> None:
-        """Read the counts of some frames, or of all."""
-        query = select(counts).where(counts.c.sequence == self.number)
-        if frames is not None:
-            query = query.where(counts.c.frame.in_(frames))
-        rows = connection.execute(query).all()
+    def reload_counts(self, connection: Connection) -> None:
+        """Read the counts of all frames."""
+        rows = connection.execute(select(counts).where(counts.c.sequence == self.number)).all()
         self.counts.update(
             {(row.frame, row.label): (row.points, row.painted, row.held) for row in rows}
         )

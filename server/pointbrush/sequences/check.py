@@ -17,11 +17,8 @@ NO_CHECKSUMS = (
 )
 
 
-def verify(place: Path | RecordingFiles, *, contents: bool = True) -> list[str]:
-    """Return the problems of the sequence at ``place``, one sentence each; none if it is whole.
-
-    Without ``contents`` no frame is read: only the manifest and the presence of files are checked.
-    """
+def verify(place: Path | RecordingFiles) -> list[str]:
+    """Return the problems of the sequence at ``place``, one sentence each; none if it is whole."""
     files, problems = files_of(place), []
     try:
         files.manifest()
@@ -36,7 +33,7 @@ def verify(place: Path | RecordingFiles, *, contents: bool = True) -> list[str]:
     for name, checksum in expected.items():
         if name not in there:
             problems.append(f"{name}: expected a file, it is missing")
-        elif contents and files.digest(name) != checksum:
+        elif files.digest(name) != checksum:
             problems.append(f"{name}: expected checksum {checksum}, its bytes have changed")
     # Imports before manifest version 4 have no checksums of a source's further fields.
     extra = sorted(name for name in there - set(expected) if not name.startswith(f"{FIELDS}/"))

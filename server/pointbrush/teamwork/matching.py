@@ -80,16 +80,13 @@ def matches(pairs: Pairs, options: MatchOptions | None = None) -> list[Match]:
 
 
 def disagreements(
-    pairs: Pairs,
-    first: Mapping[int, str],
-    second: Mapping[int, str],
-    options: MatchOptions | None = None,
+    pairs: Pairs, first: Mapping[int, str], second: Mapping[int, str]
 ) -> list[Disagreement]:
     """Return the differences of the second annotation from the first, most points first.
 
     ``first``, ``second``: the class of each label.
     """
-    options = options or MatchOptions()
+    options = MatchOptions()
     sizes = _sizes(pairs)
     matched = matches(pairs, options)
     to_second = {match.first: match.second for match in matched}
@@ -164,15 +161,13 @@ Member = tuple[int, int]
 """A person's number, and the label of one of their objects."""
 
 
-def groups(
-    pairs: Mapping[tuple[int, int], Pairs], options: MatchOptions | None = None
-) -> dict[Member, int]:
+def groups(pairs: Mapping[tuple[int, int], Pairs]) -> dict[Member, int]:
     """Return a number 1, 2, … for each object of several people, equal for the same object.
 
     ``pairs``: of each two people, the first below the second.  Objects with the greatest IoU are
     joined first, and never two objects of one person.
     """
-    options = options or MatchOptions()
+    options = MatchOptions()
     likes: list[tuple[float, Member, Member]] = []
     members: set[Member] = set()
     for (one, other), shared in pairs.items():

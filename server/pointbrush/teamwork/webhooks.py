@@ -41,6 +41,8 @@ FAILED_EVENTS = 3
 """Number of failed events that wait for a retry at which the webhook is paused."""
 MOST_WEBHOOKS = 50
 """Limit for a project."""
+SHOWN = 100
+"""Limit of listed events of a webhook."""
 MOST_ATTEMPTS = 30
 """Attempts, over about a day, after which an event is no longer sent; it stays in the list."""
 _ENDED = ("done", "failed", "cancelled")
@@ -126,11 +128,11 @@ class Webhooks:
                 raise NotFoundError(f"webhook: expected one of {project!r}, got {webhook!r}")
             forget_webhooks(connection, here)
 
-    def deliveries(self, project: str, webhook: str, limit: int = 100) -> list[Delivery]:
-        """Return the events of a webhook, newest first."""
+    def deliveries(self, project: str, webhook: str) -> list[Delivery]:
+        """Return the newest events of a webhook, newest first."""
         chosen = _events().where(webhooks.c.project == project, webhooks.c.id == webhook)
         with self._database.read() as connection:
-            rows = connection.execute(chosen.order_by(webhook_events.c.created.desc()).limit(limit))
+            rows = connection.execute(chosen.order_by(webhook_events.c.created.desc()).limit(SHOWN))
             return [_delivery(row) for row in rows]
 
     # ── gathering of events ──────────────────────────────────────────────────────────────

@@ -40,15 +40,13 @@ class AlignmentOptions:
             raise ValueError(f"expected counts of 3 or more and worse of 1 or more, got {self}")
 
 
-def agree_better_without(
-    frames: Sequence[PointFrame], options: AlignmentOptions | None = None
-) -> bool | None:
+def agree_better_without(frames: Sequence[PointFrame]) -> bool | None:
     """Return whether frames agree better without their poses than with them, one to the next.
 
     The measure is the mean distance, cut off, from points to the tangent planes of the previous
     frame.  None if the poses hardly move the points, or if there are too few points.
     """
-    options = options or AlignmentOptions()
+    options = AlignmentOptions()
     with_poses, without = [], []
     for before, after in pairwise(frames):
         if before.pose is None or after.pose is None or min(len(before), len(after)) < 100:

@@ -309,14 +309,13 @@ def _as_ply(columns: Columns) -> Columns:
     return made
 
 
-def write_ply(out: BinaryIO, table: Table, comments: tuple[str, ...] = ()) -> None:
+def write_ply(out: BinaryIO, table: Table) -> None:
     """Write a table as the vertices of a binary little-endian PLY.
 
     Names are in ASCII, and integers of 64 bits, which PLY does not have, are doubles.
     """
     types, blocks = Table(table.count, lambda: map(_as_ply, table.blocks())).rows()
     lines = ["ply", "format binary_little_endian 1.0"]
-    lines += [f"comment {comment}" for comment in comments]
     lines.append(f"element vertex {table.count}")
     lines += [f"property {NAMES[kind.str[1:]]} {name}" for name, kind in types.items()]
     out.write("\n".join([*lines, "end_header", ""]).encode("ascii"))

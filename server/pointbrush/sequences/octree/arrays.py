@@ -147,7 +147,7 @@ def _damaged(path: Path) -> Iterator[None]:
         raise DamagedError(f"expected stored arrays in {path.name}, got: {error}") from error
 
 
-def read_layout(path: Path, required: Collection[str] = POINTS) -> Layout:
+def read_layout(path: Path) -> Layout:
     """The layout of an array file that has these arrays and its length; raises DamagedError."""
     with _damaged(path), path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
@@ -155,7 +155,7 @@ def read_layout(path: Path, required: Collection[str] = POINTS) -> Layout:
         length = int.from_bytes(head[8:16], "little")
         if length > size:
             raise ValueError("a header longer than the file")
-        return _layout(head + file.read(length), size, required)
+        return _layout(head + file.read(length), size, POINTS)
 
 
 def _layout(head: bytes, size: int, required: Collection[str]) -> Layout:

@@ -78,10 +78,10 @@ class _Chunk:
         """Bytes a point above the budget."""
         return (len(self.data) - self.budget) / max(len(self.xyz), 1)
 
-    def coarsen(self, most: float, gain: float = _GAIN) -> None:
+    def coarsen(self, most: float) -> None:
         """Coarsen the grid up to ``most`` until the budget is kept."""
         while self.excess > 0 and self.step < most:
-            self.step = _coarser(self.step, self.excess, most, gain)
+            self.step = _coarser(self.step, self.excess, most, _GAIN)
             self.encode()
 
     def shorten(self) -> None:

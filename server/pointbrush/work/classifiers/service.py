@@ -223,10 +223,10 @@ class Classifiers:
 
     # ── prediction ───────────────────────────────────────────────────────────────────────
 
-    def current(self, identifier: str, also: Sequence[str] = ()) -> Classifier:
+    def current(self, identifier: str) -> Classifier:
         """Return a classifier trained on all current painted points of its recordings."""
         with self._guard(identifier):
-            return self._fresh(identifier, also)[1]
+            return self._fresh(identifier, ())[1]
 
     def predict(
         self, identifier: str, sequence: str, frame: int, *, labels: Sequence[int] | None = None,

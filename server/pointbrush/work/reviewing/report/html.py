@@ -59,9 +59,9 @@ MOST_LINES = 40
 """Limit of labels with a separate line; more names would not be legible."""
 
 
-def to_html(report: Report, now: datetime | None = None) -> str:
+def to_html(report: Report) -> str:
     """Return the report as a page."""
-    made = (now or datetime.now(UTC)).strftime("%Y-%m-%d %H:%M UTC")
+    made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
     title = escape(report.name)
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
