@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from pointbrush.accounts.people import Account
     from pointbrush.jobs.job import Job
     from pointbrush.labels.versions import Version
-    from pointbrush.work.classifiers.front import ClassifierFront
-    from pointbrush.work.classifiers.service import About
+    from pointbrush.work.classifiers.service import About, Classifiers
     from pointbrush.workspace import Workspace
 
 
@@ -177,18 +176,18 @@ class LocalAccounts:
 class LocalClassifiers:
     """The calls of ``client.Classifiers``."""
 
-    def __init__(self, front: ClassifierFront) -> None:
-        self._front = front
-        self.all, self.create = front.listing, front.create
-        self.teach, self.delete = front.teach, front.delete
+    def __init__(self, service: Classifiers) -> None:
+        self._service = service
+        self.all, self.create = service.listing, service.create
+        self.teach, self.delete = service.teach, service.delete
 
     def save(self, classifier: str, out: Path) -> None:
         """Write a classifier to a file for ``load``."""
-        out.write_bytes(self._front.file(classifier))
+        out.write_bytes(self._service.file(classifier))
 
     def load(self, file: Path, name: str | None) -> About:
         """Add a classifier from a file of ``save``."""
-        return self._front.bring(file.read_bytes(), name)
+        return self._service.bring(file.read_bytes(), name)
 
 
 @dataclass(frozen=True, slots=True)

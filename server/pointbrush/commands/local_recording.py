@@ -160,7 +160,7 @@ class LocalByExample(Part):
 
     def start(self, classifier: str, frames: str, above: float | None) -> Job:
         """Start an application of a classifier to frames."""
-        return self.workspace.classifiers.apply(
+        return self.workspace.predictions.start(
             self.id, author=AUTHOR, classifier=classifier, frames=frames, above=above
         )
 

@@ -7,15 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
-from pointbrush.job import Job, JobKind
+from pointbrush.jobs.job import Job, JobKind
 from pointbrush.jobs.runner import JobRunner, Receiver
+from pointbrush.jobs.worker import Work
 from pointbrush.labels import Commit
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.events import Event
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.library import Library
-from pointbrush.worker import Work
 
 Request = TypeVar("Request", bound=JobRequest)
 Submission = tuple[Job, Work, Receiver]

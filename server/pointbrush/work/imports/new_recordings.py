@@ -11,8 +11,9 @@ from typing import Any, TypeVar
 from pointbrush.database.guards import Guard
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import NotFoundError, PointbrushError
-from pointbrush.job import Job
+from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import Receiver
+from pointbrush.jobs.worker import Work
 from pointbrush.names import require_visible
 from pointbrush.sequences import Manifest
 from pointbrush.sequences import Sequence as Recording
@@ -23,7 +24,6 @@ from pointbrush.work.imports.requests import ImportRequest, SampleRequest, drop_
 from pointbrush.work.imports.source_labels import SourceLabels
 from pointbrush.work.job_service import JobContext, JobService, Submission
 from pointbrush.work.trash import ids_for
-from pointbrush.worker import Work
 
 WITHOUT_LABELS = "the recording was imported, but its labels were not imported"
 """Prefix of the error of an import that created a recording without its labels."""
