@@ -9,7 +9,6 @@ from typing import ClassVar
 
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.formats import source_name
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.timing import natural_key
 from pointbrush.jobs.job import ENDED, Job
@@ -48,6 +47,8 @@ class ImportRequest(JobRequest):
     @property
     def readable(self) -> str:
         """Return the name from which the recording's id derives."""
+        from pointbrush.formats import source_name  # slow to load
+
         return self.name or source_name(self.paths)
 
     @property
@@ -73,6 +74,8 @@ class SampleRequest(JobRequest):
     @property
     def readable(self) -> str:
         """Return the name from which the recording's id derives."""
+        from pointbrush.formats import source_name  # slow to load
+
         return self.kind
 
 
