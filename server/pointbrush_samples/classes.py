@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,10 +16,7 @@ from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush_samples.interior import Interior
 from pointbrush_samples.scanning import ScanOptions, scan_of
 
-STREET = ("ground", "building", "vehicle", "person", "fixture", "vegetation")
 ROOM = ("floor", "ceiling", "wall", "furniture")
-RATE = 10.0
-"""Frames a second of a drive."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,25 +26,6 @@ class Classified:
     frame: PointFrame
     truth: NDArray[np.uint16]
     classes: tuple[str, ...]
-
-
-def classified_drive(seed: int, frames: int) -> Iterator[Classified]:
-    """Yield frames of a car's drive, y up, as ``driving.drive`` makes them."""
-    street = DrivenStreet(seed)
-    numbers = {kind: number for number, kind in enumerate(STREET, 1)}
-    for i in range(frames):
-        moved = street.at(i / RATE)
-        solids = [
-            replace(solid, label=numbers[kind])
-            for solid, kind in zip(moved, street.kinds, strict=True)
-        ]
-        eye = vec(LANE * street.road, HEIGHT, START + street.own.speed * i / RATE)
-        turn = spin(LIDAR, eye, solids, np.random.default_rng([seed, 67, i]))
-        frame = PointFrame(
-            (turn.xyz - eye).astype(np.float32), intensity=turn.intensity,
-            viewpoint=np.zeros(3), pose=rigid(np.eye(3), eye),
-        )  # fmt: skip
-        yield Classified(frame, turn.label, STREET)
 
 
 def classified_room(seed: int) -> Classified:

@@ -90,7 +90,7 @@ class DrivenStreet(Street):
             if all(car.clear_of(other) for other in (self.own, *self.driving.values())):
                 body, turn = vehicle(rng), math.pi * (lane > 0)
                 x = lane * LANE * self.road
-                self._add("vehicle", body.solids, x, car.z, turn, model=body.kind)
+                self._add(body.solids, x, car.z, turn, model=body.kind)
                 self.driving[self.count] = car
 
 

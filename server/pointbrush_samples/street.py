@@ -42,14 +42,13 @@ class Body(NamedTuple):
 class Street:
     """A street from a seed: ``solids``, labels from 1; ground, kerbs and houses have label 0.
 
-    ``kinds`` are their classes, of ``CLASSES``, a solid each; ``objects`` the class that a detector
-    learns (car, van, truck, pedestrian, cyclist) and ``T_room_object`` of a label, at first.
+    ``objects``: the class that a detector learns (car, van, truck, pedestrian, cyclist) and
+    ``T_room_object`` of a label, at first.
     """
 
     def __init__(self, seed: int) -> None:
         rng = self._rng = np.random.default_rng([seed, 53])
         self.solids: list[Solid] = []
-        self.kinds: list[str] = []
         self.objects: dict[int, tuple[str, Array]] = {}
         self.count = 0
         self.road = rng.uniform(3.5, 9.0)
@@ -64,7 +63,6 @@ class Street:
 
     def _add(
         self,
-        kind: str,
         solids: list[Solid],
         x: float,
         z: float,
@@ -73,7 +71,6 @@ class Street:
         model: str = "",
     ) -> None:
         self.count += 1
-        self.kinds += [kind] * len(solids)
         T = rigid(yaw(turn), vec(x, y, z))
         if model:
             self.objects[self.count] = model, T
@@ -85,7 +82,6 @@ class Street:
     def _ground(self) -> None:
         asphalt, stone, grass = matte("#55565a"), matte("#8f8c84"), matte("#4c5f38")
         r, w, far = self.road, self._walk, 160.0
-        self.kinds += ["ground"] * 5
         self.solids += [
             block((-r, -1, -far), (r, 0, far), asphalt),
             block((r, -1, -far), (w, 0.13, far), stone),
@@ -122,7 +118,6 @@ class Street:
     ) -> None:
         x0, x1 = sorted((side * near, side * far))
         self.solids.append(block((x0, low, z0), (x1, low + height, z1), stuff))
-        self.kinds.append("building")
 
     def _parked(self, side: int) -> None:
         rng, z = self._rng, -LENGTH + self._rng.uniform(0, 8)
@@ -132,7 +127,7 @@ class Street:
             if rng.random() < full:
                 x = side * (self.road - rng.uniform(0.9, 1.3))
                 turn = math.pi * rng.integers(2) + draw_normal(rng, 0.03)
-                self._add("vehicle", body.solids, x, z, turn, model=body.kind)
+                self._add(body.solids, x, z, turn, model=body.kind)
             z += body.length + rng.uniform(0.5, 3.0)
 
     def _driving(self) -> None:
@@ -142,9 +137,8 @@ class Street:
             if abs(z) < 7:
                 continue
             side = 1 if rng.random() < 0.5 else -1
-            cycle = rng.random() < 0.25
-            body, kind = (cyclist(rng), "person") if cycle else (vehicle(rng).solids, "vehicle")
-            self._add(kind, body, side * rng.uniform(0.2, 0.5) * self.road, z, math.pi * (side > 0))
+            body = cyclist(rng) if rng.random() < 0.25 else vehicle(rng).solids
+            self._add(body, side * rng.uniform(0.2, 0.5) * self.road, z, math.pi * (side > 0))
 
     def _crossing(self) -> None:
         """Put cars across the street, as at a junction or in a car park."""
@@ -154,7 +148,7 @@ class Street:
             for k in range(int(rng.integers(2, 7))):
                 x = (k - 3) * rng.uniform(2.3, 2.8)
                 turn = math.pi / 2 + draw_normal(rng, 0.05)
-                self._add("vehicle", vehicle(rng).solids, x, z, turn)
+                self._add(vehicle(rng).solids, x, z, turn)
 
     def _pavement(self, side: int) -> None:
         rng = self._rng
@@ -166,19 +160,19 @@ class Street:
                 for k in range(group):
                     body, away = pedestrian(rng), z + draw_normal(rng, 0.3)
                     turn = rng.uniform(0, 6)
-                    self._add("person", body, x + 0.6 * k, away, turn, y, "pedestrian")
+                    self._add(body, x + 0.6 * k, away, turn, y, "pedestrian")
             elif kind < 0.6:
-                self._add("vegetation", tree(rng), x, z, 0.0, y)
+                self._add(tree(rng), x, z, 0.0, y)
             elif kind < 0.75:
-                self._add("fixture", pole(rng), x, z, rng.uniform(0, 6), y)
+                self._add(pole(rng), x, z, rng.uniform(0, 6), y)
             elif kind < 0.85:
-                self._add("vegetation", bush(rng), x, z, rng.uniform(0, 6), y)
+                self._add(bush(rng), x, z, rng.uniform(0, 6), y)
             elif kind < 0.92:
-                self._add("person", cyclist(rng), x, z, rng.uniform(0, 6), y, "cyclist")
+                self._add(cyclist(rng), x, z, rng.uniform(0, 6), y, "cyclist")
             else:
                 w, h = rng.uniform(0.25, 0.7), rng.uniform(0.6, 1.4)
                 box = [block((-w, 0, -w), (w, h, w), matte(colour(rng)))]
-                self._add("fixture", box, x, z, 0.0, y)
+                self._add(box, x, z, 0.0, y)
 
 
 def vehicle(rng: Rng) -> Body:

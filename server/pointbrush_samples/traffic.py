@@ -120,8 +120,7 @@ class Traffic(DrivenStreet):
             others.append(vec(LANE * self.road, 0, START + self.own.speed * t))
             if min(norm(other - at) for other in others) < CLEAR_M:
                 return False
-        person = kind in ("pedestrian", "cyclist")
-        self._add("person" if person else "vehicle", solids, 0, 0, 0, model=kind)
+        self._add(solids, 0, 0, 0, model=kind)
         self.objects[self.count] = kind, way.start
         for number in range(len(self.solids) - len(solids), len(self.solids)):
             solid = self.solids[number]

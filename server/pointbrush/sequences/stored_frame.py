@@ -130,11 +130,6 @@ class StoredFrame:
         """The pixels that the frame's points lie on, as the import found them, or None."""
         return None if self._files.depth_ends is None else self._lattice
 
-    @property
-    def source_dtype(self) -> np.dtype[Any]:
-        """float32 or float64: the type of the coordinates that were imported."""
-        return self._files.dtype
-
     def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
         """A per-point array (N, …) from stored into source order."""
         values = np.asarray(stored_values)
