@@ -64,6 +64,7 @@ def test_most_doubts_are_of_one_class_and_answers_help(tmp_path: Path, shared: P
             place = classifiers.doubt(made.id, "tile", most=1)[0]
             numbers = np.concatenate([np.arange(first, first + n) for first, n in place.runs])
             piece = stored.source_index[numbers]
+            assert len(piece) >= classifiers.options.doubt.fewest
             assert not asked[piece].any()
             asked[piece] = True
             counts = np.bincount(truth[piece], minlength=4)

@@ -20,19 +20,24 @@ def asked_points(
     place: Described, cell: int, open_: NDArray[np.bool_],
     points: Callable[[Numbers], ExampleFrame], options: DoubtOptions,
 ) -> Numbers:  # fmt: skip
-    """Return the numbers (n,) of the points of the piece round a cell.
+    """Return the numbers (n,) of the points of the piece round a cell, or of the nearest large one.
 
-    ``open_`` (C,): cells that the piece may take; ``points`` returns points by their numbers.
+    A large piece has ``options.fewest`` points; n is 0 if there is none.  ``open_`` (C,): cells
+    that the piece may take; ``points`` returns points by their numbers.
     """
     away = np.linalg.norm(place.center - place.center[cell], axis=1)
     near = np.flatnonzero((away <= options.reach * place.size)[place.of_point])
     of_point = place.of_point[near]
     frame = points(near)
     piece = _pieces(frame, place.center[cell].astype(np.float64), place.size, options)
-    inside = np.flatnonzero(of_point == cell)
-    away = np.linalg.norm(frame.xyz[inside] - place.center[cell], axis=1)
-    own = piece[inside[away.argmin()]]
-    return np.asarray(near[(piece == own) & open_[of_point]])
+    piece[~open_[of_point]] = -1
+    large = (piece >= 0) & (np.bincount(piece + 1)[piece + 1] >= options.fewest)
+    if not large.any():
+        return near[:0]
+    away = np.linalg.norm(frame.xyz - place.center[cell], axis=1)
+    away[of_point != cell] += options.reach * place.size  # the cell's own points first
+    own = piece[np.where(large, away, np.inf).argmin()]
+    return np.asarray(near[piece == own])
 
 
 def _pieces(

@@ -95,6 +95,8 @@ class DoubtOptions:
     """Edge, cells, of a cube in which the doubts of a class count as one."""
     reach: float = 24.0
     """Cells from the middle of a piece to its border at most."""
+    fewest: int = 12
+    """Points of a piece that a person is asked about, at least."""
     scaled: float = 0.14
     """Metres that a cell counts as where the object tool parts scans of many views."""
 

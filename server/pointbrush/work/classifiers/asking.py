@@ -29,6 +29,8 @@ from pointbrush.work.classifiers.teaching import cell_classes
 Numbers = NDArray[np.int64]
 MOST_OFFERED = 256
 """Uncertain pieces that are kept until their answer, at most."""
+SPARE = 8
+"""Places of a frame that are found in addition, as pieces may be too small to be asked about."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +85,11 @@ class Questions:
     def of_frame(
         self, classifier: Classifier, recording: Recording, frame: int,
         near: Sequence[float] | None, most: int, between: Sequence[str],
-    ) -> list[tuple[float, Callable[[], Place]]]:  # fmt: skip
-        """Return the worth of answers at places of a frame, each with a function that makes it."""
+    ) -> list[tuple[float, Callable[[], Place | None]]]:  # fmt: skip
+        """Return the worth of answers at places of a frame, each with a function that makes it.
+
+        The function returns None if no piece there is large enough.
+        """
         view = self._view(classifier, recording, frame, near)
         open_ = view.open_
         if between:
@@ -92,7 +97,9 @@ class Questions:
             open_ = open_ & wanted[two_best(view.chance)].all(axis=1)
         taught = classifier.taught(self._options.forest.most)[0]
         options = self._options.doubt
-        found = doubts(view.place, view.chance, open_, taught, classifier.spread, options, most)
+        found = doubts(
+            view.place, view.chance, open_, taught, classifier.spread, options, most + SPARE
+        )
         return [(each.worth, partial(self._place, classifier, view, each)) for each in found]
 
     def _view(
@@ -127,11 +134,15 @@ class Questions:
             )
         ])  # fmt: skip
 
-    def _place(self, classifier: Classifier, view: _View, doubt: Doubt) -> Place:
+    def _place(self, classifier: Classifier, view: _View, doubt: Doubt) -> Place | None:
         recording, manifest = view.recording, view.recording.manifest
         piece = self._piece(view, doubt.cell)
-        middle = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
-        away = np.linalg.norm(recording[view.frame].coordinates[piece] - middle, axis=1)
+        if not len(piece):
+            return None
+        cell = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
+        points = recording[view.frame].coordinates[piece].astype(np.float64)
+        middle = points[np.linalg.norm(points - cell, axis=1).argmin()]
+        away = np.linalg.norm(points - middle, axis=1)
         x, y, z = (middle + np.asarray(manifest.shift)).tolist()
         self._offered.put((recording.identity, view.frame, x, y, z), piece)
         first, second = (classifier.classes[each] for each in doubt.classes)

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -259,7 +260,7 @@ class Classifiers:
         if workspace:
             others = [each for each in self._recordings() if each != sequence]
             names += others[: self.options.looked_recordings - 1]
-        found: list[tuple[float, Callable[[], Place]]] = []
+        found: list[tuple[float, Callable[[], Place | None]]] = []
         for name in names:
             recording = self._recording(name)
             count = len(recording)
@@ -271,7 +272,7 @@ class Classifiers:
                     at = near if name == sequence else None
                     found += questions.of_frame(classifier, recording, each, at, most, between)
         found.sort(key=lambda each: -each[0])
-        return [make() for _, make in found[:most]]
+        return list(islice(filter(None, (make() for _, make in found)), most))
 
     def answer(
         self, identifier: str, sequence: str, frame: int, centre: Sequence[float], label: int, *,
