@@ -231,3 +231,18 @@ def test_a_change_that_is_sent_again_is_answered_though_its_label_has_gone(
     revision = pins.revision(SEQ)
     assert pins.update_label(SEQ, "ann", 1, name="ball", edit_id="e") == first
     assert pins.revision(SEQ) == revision
+
+
+def test_a_named_edit_is_undone_alone_and_redone_in_its_place(pins: LabelStore) -> None:
+    answer = paint(pins, [0, 1, 2], 1, "ann").edit_id
+    paint(pins, [1], 2, "ann")
+    paint(pins, [3], 3, "ann")
+    assert pins.undo(SEQ, "ann", edit=answer).changed == 2
+    assert shown(pins) == [0, 2, 0, 3]
+    for author in ("ann", "bob"):  # undone before, and another person's
+        with pytest.raises(ConflictError, match="expected an edit of yours"):
+            pins.undo(SEQ, author, edit=answer)
+    pins.redo(SEQ, "ann", edit=answer)
+    assert shown(pins) == [1, 2, 1, 3]
+    pins.undo(SEQ, "ann")
+    assert shown(pins) == [1, 2, 1, 0]

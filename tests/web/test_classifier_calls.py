@@ -133,8 +133,14 @@ def test_a_skipped_place_is_predicted_but_not_asked_again(client: Client, hall: 
     place = hall.by_example.doubt(made.id, frame=1, most=1)[0]
     hall.by_example.ignore(made.id, place, skip=True)
     assert hall.by_example.predict(made.id, 1).kind[numbers(place)].all()
-    for other in hall.by_example.doubt(made.id, frame=1, most=5):
+    later = hall.by_example.doubt(made.id, frame=1, most=5)
+    for other in later:
         assert not np.isin(numbers(other), numbers(place)).any()
+    hall.by_example.ignore(made.id, later[0])
+    hall.by_example.take_back(made.id, place)  # the later answer stays
+    assert not hall.by_example.predict(made.id, 1).kind[numbers(later[0])].any()
+    with pytest.raises(NotFoundError):
+        hall.by_example.take_back(made.id, place)
     client.classifiers.delete(made.id)
 
 

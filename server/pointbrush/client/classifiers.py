@@ -228,10 +228,11 @@ class ByExample(Part[L]):
         return (yield from send(Request("POST", path, {"json": body})))
 
     @steps
-    def take_back(self, classifier: str) -> Steps[None]:
-        """Take back the last answer of ``ignore`` in this recording; raises NotFoundError."""
+    def take_back(self, classifier: str, place: Place | None = None) -> Steps[None]:
+        """Take back the answer of ``ignore`` at a place, or the last one; raises NotFoundError."""
         path = f"/sequences/{self._sequence}/doubt/answers"
-        yield from send(Request("DELETE", path, {"params": {"classifier": classifier}}))
+        query = {"classifier": classifier} | ({"centre": list(place.centre)} if place else {})
+        yield from send(Request("DELETE", path, {"params": query}))
 
     @steps
     def start(

@@ -78,6 +78,7 @@ _STACK = (
 )
 _FIRST = Statement(_STACK.order_by(edits.c.revision))
 _LAST = Statement(_STACK.order_by(edits.c.revision.desc()))
+_NAMED = Statement(_STACK.where(edits.c.id == bindparam("of_id")))
 _INSERT_EDIT, _INSERT_BLOCK = Statement(insert(edits)), Statement(insert(edit_blocks))
 _INSERT_LABEL, _INSERT_TRACK = Statement(insert(edit_labels)), Statement(insert(edit_tracks))
 _INSERT_BOX = Statement(insert(edit_boxes))
@@ -289,10 +290,11 @@ Ask = Callable[[Statement, Mapping[str, Any]], Any]
 """Returns the row of a statement, or None."""
 
 
-def top_of_stack(ask: Ask, number: int, author: str, state: int) -> Any:
-    """Return the next edit for ``author``'s undo (ACTIVE) or redo (UNDONE)."""
-    statement = _LAST if state == schema.ACTIVE else _FIRST
-    return ask(statement, {"of_sequence": number, "of_author": author, "in_state": state})
+def top_of_stack(ask: Ask, number: int, author: str, state: int, edit: str | None = None) -> Any:
+    """Return the next edit for ``author``'s undo (ACTIVE) or redo (UNDONE), or the ``edit``."""
+    statement = _NAMED if edit else _LAST if state == schema.ACTIVE else _FIRST
+    values = {"of_sequence": number, "of_author": author, "in_state": state}
+    return ask(statement, values | ({"of_id": edit} if edit else {}))
 
 
 def set_state(connection: Connection, number: int, revision: int, **values: int) -> None:

@@ -261,30 +261,25 @@ NOTHING_TO_UNDO = "undo: expected an edit of yours, there is none"
 NOTHING_TO_REDO = "redo: expected an undone edit of yours, there is none"
 
 
-def take_back(entry: Entry) -> Plan:
-    """Undo the author's last edit in force."""
-    return _turn(
-        entry,
-        schema.ACTIVE,
-        undo.undo,
-        NOTHING_TO_UNDO,
-    )
+def take_back(entry: Entry, edit: str | None) -> Plan:
+    """Undo the author's last edit in force, or the one with the id ``edit``."""
+    return _turn(entry, schema.ACTIVE, undo.undo, NOTHING_TO_UNDO, edit)
 
 
-def bring_back(entry: Entry) -> Plan:
-    """Redo the edit that the author's last undo reversed."""
-    return _turn(entry, schema.UNDONE, undo.redo, NOTHING_TO_REDO)
+def bring_back(entry: Entry, edit: str | None) -> Plan:
+    """Redo the edit that the author's last undo reversed, or the one with the id ``edit``."""
+    return _turn(entry, schema.UNDONE, undo.redo, NOTHING_TO_REDO, edit)
 
 
-def _turn(entry: Entry, state: int, turn: Callable[[Draft, Any], None], none: str) -> Plan:
+def _turn(
+    entry: Entry, state: int, turn: Callable[[Draft, Any], None], none: str, named: str | None
+) -> Plan:
     def plan(draft: Draft) -> Entry:
-        driver = driver_of(draft.connection)
+        driver, number = driver_of(draft.connection), draft.state.number
         edit = journal.top_of_stack(
             lambda statement, values: statement.ask(driver, values),
-            draft.state.number,
-            entry.author,
-            state,
-        )
+            number, entry.author, state, named,
+        )  # fmt: skip
         if edit is None:
             raise ConflictError(none)
         turn(draft, edit)

@@ -308,21 +308,25 @@ class LabelStore:
 
     # ── history ──────────────────────────────────────────────────────────────────────────
 
-    def undo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
-        """Undo the author's last edit in force; later edits stay.
+    def undo(
+        self, sequence: str, author: str, edit_id: str | None = None, edit: str | None = None
+    ) -> Commit:
+        """Undo the author's last edit in force, or the one with the id ``edit``; later edits stay.
 
         Raises ConflictError when there is none, LockedLabelError.
         """
         entry = new_entry(edit_id, author, "undo", "undo")
-        return self._writer.commit(sequence, entry.id, plans.take_back(entry))
+        return self._writer.commit(sequence, entry.id, plans.take_back(entry, edit))
 
-    def redo(self, sequence: str, author: str, edit_id: str | None = None) -> Commit:
-        """Redo the edit of the author's last undo; a new edit of the author prevents it.
+    def redo(
+        self, sequence: str, author: str, edit_id: str | None = None, edit: str | None = None
+    ) -> Commit:
+        """Redo the edit of the author's last undo, or the one with the id ``edit``.
 
-        Raises ConflictError when there is none, LockedLabelError.
+        Raises ConflictError when there is none, as after a new edit, LockedLabelError.
         """
         entry = new_entry(edit_id, author, "redo", "redo")
-        return self._writer.commit(sequence, entry.id, plans.bring_back(entry))
+        return self._writer.commit(sequence, entry.id, plans.bring_back(entry, edit))
 
     def stacks(self, sequence: str, author: str) -> tuple[EditInfo | None, EditInfo | None]:
         """Return the next edits for the author's undo and redo."""

@@ -279,9 +279,10 @@ class SplitOut(EditOut):
 
 
 class UndoBody(Body):
-    """``id``: the UUID of the undo, which is applied once."""
+    """``id``: the UUID of the undo, which is applied once; ``edit``: the edit, null: the last."""
 
     id: Uuid | None = None
+    edit: Uuid | None = None
 
 
 class EditInfoOut(Out):

@@ -352,9 +352,16 @@ def take_back_answer(
     seq: SequenceId,
     workspace: Ws,
     classifier: Annotated[str, Query(pattern=ID, max_length=64)],
+    centre: Annotated[
+        list[FiniteFloat] | None,
+        Query(min_length=3, max_length=3, description="x, y, z of the answer's place"),
+    ] = None,
 ) -> None:
-    """Take back the last answer in this recording that was none of the classes, or skipped."""
-    workspace.classifiers.heed(classifier, seq)
+    """Take back an answer in this recording that was none of the classes, or skipped.
+
+    By default the last one; with ``centre``, the one at this place.
+    """
+    workspace.classifiers.heed(classifier, seq, centre)
 
 
 @router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))

@@ -32,14 +32,16 @@ async def post_stroke(
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
 def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
-    """Take back the caller's last edit, except on points that another edit has changed since."""
-    return EditOut.of(workspace.labels.undo(seq, who.author, body.id if body else None))
+    """Take back the caller's last edit, or ``edit``, except on points with a later edit."""
+    given = body or UndoBody()
+    return EditOut.of(workspace.labels.undo(seq, who.author, given.id, given.edit))
 
 
 @router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
 def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
-    """Restore the edit that the caller's last undo took back."""
-    return EditOut.of(workspace.labels.redo(seq, who.author, body.id if body else None))
+    """Restore the edit that the caller's last undo took back, or ``edit``."""
+    given = body or UndoBody()
+    return EditOut.of(workspace.labels.redo(seq, who.author, given.id, given.edit))
 
 
 @router.get("/sequences/{seq}/edits", responses=responses(404))

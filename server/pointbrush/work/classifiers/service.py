@@ -308,21 +308,23 @@ class Classifiers:
         """
         recording = self._recording(sequence)
         _ = recording[frame]
-        x, y, z = (np.asarray(centre) - np.asarray(recording.manifest.shift)).tolist()
         piece = self._questions.piece_of(self.current(identifier), recording, frame, centre)
         runs = tuple((start, length) for start, length in runs_of(piece).tolist())
-        place = Ignored(recording.identity, frame, (x, y, z), radius, runs, skipped)
+        at = _local(recording, centre)
+        place = Ignored(recording.identity, frame, at, radius, runs, skipped)
         self._set_ignored(identifier, lambda known: (*known, place))
 
-    def heed(self, identifier: str, sequence: str) -> None:
-        """Undo the last ``ignore`` in a recording; raises NotFoundError."""
-        identity = self._recording(sequence).identity
+    def heed(self, identifier: str, sequence: str, centre: Sequence[float] | None = None) -> None:
+        """Undo the last ``ignore`` in a recording, or at ``centre`` (3,); raises NotFoundError."""
+        recording = self._recording(sequence)
+        at = None if centre is None else _local(recording, centre)
 
         def shorter(known: tuple[Ignored, ...]) -> tuple[Ignored, ...]:
-            here = [k for k, each in enumerate(known) if each.identity == identity]
+            mine = (each for each in known if each.identity == recording.identity)
+            here = [each for each in mine if at in (None, each.centre)]
             if not here:
                 raise NotFoundError("answer: expected an ignored place in this recording, got none")
-            return (*known[: here[-1]], *known[here[-1] + 1 :])
+            return tuple(each for each in known if each is not here[-1])
 
         self._set_ignored(identifier, shorter)
 
@@ -390,6 +392,12 @@ class Classifiers:
             fresh = fresh.learnt(self.options.forest, self._predictor.model(fresh))
             self._known[identifier] = classes, fresh
         return classes, fresh
+
+
+def _local(recording: Recording, place: Sequence[float]) -> tuple[float, float, float]:
+    """Return a place (3,), source metres, in the recording's local coordinates."""
+    x, y, z = (np.asarray(place) - np.asarray(recording.manifest.shift)).tolist()
+    return x, y, z
 
 
 def _about(identifier: str, classifier: Classifier) -> About:
