@@ -1,6 +1,7 @@
 /** State of label by example, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
 import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
+import { plural } from '../common/format';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
@@ -26,6 +27,11 @@ export const classifier = signal<Classifier | null>(null);
 export const only = signal<string | null>(null);
 /** The points have the recording's own colours, while a key is held. */
 export const natural = signal(false);
+/** Show the recording's own colours while something is held. */
+export function showNatural(on: boolean): void {
+  natural.value = on && exampleOpen.peek();
+}
+
 /** Prediction of the frame on screen; null: none yet. */
 export const predicted = signal<Prediction | null>(null);
 /** Changes of the places that the classifier ignores. */
@@ -48,8 +54,14 @@ export const answerable = computed(
   () => canEdit.value && question.value?.frame === state.shown.value.frame,
 );
 
-/** Answers that can be taken back, the last one last; a class, or none of them. */
-export const answered = signal<readonly { place: Question; name: string | null }[]>([]);
+/** Result of an edit, as REST tells it. */
+interface Edited {
+  readonly edit: string;
+  readonly changed: number;
+}
+
+/** Answers that can be taken back, the last one last; without an edit: none of the classes. */
+export const answered = signal<readonly { place: Question; edited: Edited | undefined }[]>([]);
 
 /** Answer the question with a class, or with none; false when there is none, or another frame is on screen. */
 export function answerDoubt(name: string | null | undefined): boolean {
@@ -66,21 +78,25 @@ export function answerNth(number: number): boolean {
 
 async function answer(place: Question, name: string | null): Promise<void> {
   question.value = null;
+  let edited: Edited | undefined;
   const stored = await succeeds('The answer was not stored', async () => {
     const known = name === null ? null : labelOf(name, state.palette.peek())?.id;
     const label = known === undefined ? await actions.labels.createLabel(name!) : known;
-    await send(place, { class: label });
+    edited = await send(place, { class: label });
   });
   if (!stored) {
     question.value = place;
     return;
   }
-  answered.value = [...answered.peek(), { place, name }];
+  answered.value = [...answered.peek(), { place, edited }];
   if (name === null) ignored.value += 1;
   await nextDoubt();
 }
 
-function send({ sequence, frame, centre, radius }: Question, answer: object): Promise<unknown> {
+function send(
+  { sequence, frame, centre, radius }: Question,
+  answer: object,
+): Promise<Edited | undefined> {
   const body = { classifier: classifier.peek()!.id, place: { frame, centre, radius }, ...answer };
   return api('POST', `${sequencePath(sequence)}/doubt/answers`, body);
 }
@@ -91,14 +107,26 @@ export function takeBackAnswer(): boolean {
   if (!exampleOpen.peek() || !last) return false;
   answered.value = answered.peek().slice(0, -1);
   void attempt('The answer was not taken back', async () => {
-    const { sequence } = last.place;
-    const id = encodeURIComponent(classifier.peek()!.id);
-    if (last.name !== null) await api('POST', `${sequencePath(sequence)}/undo`);
-    else await api('DELETE', `${sequencePath(sequence)}/doubt/answers?classifier=${id}`);
-    if (last.name === null) ignored.value += 1;
-    goTo(last.place);
+    const { place, edited } = last;
+    const path = sequencePath(place.sequence);
+    if (edited) await undoAnswer(path, edited);
+    else {
+      const query = new URLSearchParams(place.centre.map((x) => ['centre', String(x)]));
+      query.set('classifier', classifier.peek()!.id);
+      await api('DELETE', `${path}/doubt/answers?${query.toString()}`);
+      ignored.value += 1;
+    }
+    goTo(place);
   });
   return true;
+}
+
+/** Undo the edit of an answer alone; points with a later label keep it. */
+async function undoAnswer(path: string, { edit, changed }: Edited): Promise<void> {
+  const undone = await api<Edited>('POST', `${path}/undo`, { edit });
+  if (undone.changed === changed) return;
+  const kept = `${plural(changed - undone.changed, 'point')} of the piece got another label later, and keep it.`;
+  notify('info', 'The answer was taken back in part', kept);
 }
 
 /** Go to the next place in doubt; one that is not answered is not asked about again. */
