@@ -91,3 +91,15 @@ it('projects the nearest point of each pixel, and finds it again', async () => {
   raster.draw(frame, lens, (label) => (label === 3 ? null : [9, 9, 9]));
   expect(raster.nearest(32, 24, 2)).toBe(1);
 });
+
+it('has discs round the points of an outlined piece alone', async () => {
+  const { Projected } = await import('./projected');
+  const frame = frameOf([[4000, 0, 100], [8000, 0, 100], [8000, 2000, 100], [2000, 60_000, 0]]); // prettier-ignore
+  const discs: number[][] = [];
+  const pen = { beginPath: vi.fn(), moveTo: vi.fn(), fill: vi.fn(), arc: (...disc: number[]) => discs.push(disc.slice(0, 3)) }; // prettier-ignore
+  new Projected(320, 240).outline(pen as never, frame, Lens.of(picture(), [0, 0, 0])!, [[0, 1], [2, 2]]); // prettier-ignore
+  const piece = discs.filter(([, , size]) => size === discs[0]![2]).map(([u, v]) => [u, v]);
+  expect(piece).toEqual([[160, 120], [97.5, 120]]); // prettier-ignore
+  // The last discs clear the inside, so that the edge is left.
+  expect(discs.at(-1)![2]).toBeLessThan(discs[0]![2]!);
+});

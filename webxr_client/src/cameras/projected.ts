@@ -2,11 +2,19 @@
 import type { CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
 import type { Lens } from './lens';
+import type { Runs } from './state';
 
 /** Points of a frame that are drawn at most: of the coarse levels, which are an even subsample. */
 export const MOST = 60_000;
 /** Opacity, of 255, of points with and without a label. */
 const [LABELLED, UNLABELLED] = [235, 70];
+
+/** An outline: discs round the points, of which smaller discs are taken away; radii are parts of the width. */
+const RINGS = [
+  [1 / 80, '#0b0e12', 'source-over'],
+  [1 / 100, '#ffffff', 'source-over'],
+  [1 / 160, '#000000', 'destination-out'],
+] as const;
 
 /** Colour of a label, red, green, blue; null when its points are not shown. */
 export type ColourOf = (label: number) => readonly [number, number, number] | null;
@@ -56,6 +64,23 @@ export class Projected {
     }
   }
 
+  /** Draw the edge of a piece of a frame, given by runs of stored numbers, over the picture. */
+  outline(pen: CanvasRenderingContext2D, frame: CloudFrame, lens: Lens, runs: Runs): void {
+    const share = this.width / lens.picture.width;
+    for (const [size, colour, how] of RINGS) {
+      pen.globalCompositeOperation = how;
+      pen.fillStyle = colour;
+      pen.beginPath();
+      for (const [first, length] of runs) {
+        for (let point = first; point < first + length; point++) {
+          const place = placeOf(frame, point);
+          if (place && lens.project(...place)) disc(pen, lens.at, share, size * this.width);
+        }
+      }
+      pen.fill();
+    }
+  }
+
   private put(
     u: number,
     v: number,
@@ -89,6 +114,12 @@ export class Projected {
     }
     return found;
   }
+}
+
+/** Add a disc round a pixel of a picture, which is drawn scaled by `share`, to the path. */
+function disc(pen: CanvasRenderingContext2D, at: Float64Array, share: number, size: number): void {
+  pen.moveTo(at[0]! * share + size, at[1]! * share);
+  pen.arc(at[0]! * share, at[1]! * share, size, 0, 2 * Math.PI);
 }
 
 /** Return the position of a frame's point, local metres; null when it is not here. */

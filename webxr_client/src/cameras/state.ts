@@ -38,6 +38,12 @@ export function pointAway(by: Pointed['by']): void {
   if (pointed.peek()?.by === by) pointed.value = null;
 }
 
+/** Stored numbers, as the first one and the length of each run. */
+export type Runs = readonly (readonly [first: number, length: number])[];
+
+/** A piece of a frame that has an edge in the pictures; null: none. */
+export const askedPiece = signal<{ readonly frame: number; readonly runs: Runs } | null>(null);
+
 /** Lines that are drawn over the pictures: ends two and two, local metres. */
 export interface Outline {
   readonly color: string;

@@ -1,6 +1,7 @@
 /** Values of label by example: the server's answers, and values that the page derives from them. */
+import type { Runs } from '../cameras/state';
 import { MOST_CLASSES, PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
-import { mixed, UNKNOWN } from '../engine/labels/colouring';
+import { FADED, mixed, UNKNOWN } from '../engine/labels/colouring';
 import type { Label } from '../protocol/messages';
 
 export interface Classifier {
@@ -34,7 +35,7 @@ export interface Question {
   readonly radius: number;
   readonly points: number;
   /** Stored numbers of the points: first and length of each run. */
-  readonly runs: readonly (readonly [first: number, length: number])[];
+  readonly runs: Runs;
   /** The two classes that it may be, the likelier first. */
   readonly classes: readonly string[];
 }
@@ -117,8 +118,8 @@ export function talliesOf(
   return rows;
 }
 
-/** Grey that the colour of a class fades to, and how much of it the least sure points have. */
-const [FADED, FADE] = ['#8f8f8f', 0.75];
+/** Share of grey in the colour of the least sure points. */
+const FADE = 0.75;
 
 /** Colours of the ids of `idsOf`; of all classes but `only` none stays. */
 export function mapColours(colours: readonly string[], only: number | null): string[] {

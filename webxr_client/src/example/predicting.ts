@@ -1,13 +1,15 @@
 /** Shows the prediction of the frame on screen, and the place of the question. */
+import { askedPiece, type Runs } from '../cameras/state';
 import { ASKED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { lowerBound } from '../cloud/points/piece';
+import { looked } from '../engine/labels/colouring';
 import type { Engine } from '../engine/engine';
 import { ApiError } from '../net/rest';
 import { notify, state } from '../store/state';
 import { follow, watch } from '../store/watch';
 import { lookedAt } from './looking';
-import { coloursOf, idsOf, mapColours, type Prediction } from './model';
+import { classOf, coloursOf, idsOf, mapColours, type Prediction } from './model';
 import {
   asking,
   classifier,
@@ -46,7 +48,9 @@ export class Predicting {
     };
     follow(() => {
       const classes = classifier.value?.classes ?? [];
-      const chosen = classes.indexOf(only.value ?? '');
+      const alone = only.value;
+      const chosen = classes.indexOf(alone ?? '');
+      looked.value = chosen < 0 ? null : (label) => classOf(label) === alone;
       const colours = coloursOf(classes, state.palette.value);
       palette.setPredicted(mapColours(colours, chosen < 0 ? null : chosen));
       engine.viewer.invalidate();
@@ -59,7 +63,10 @@ export class Predicting {
     watch([exampleOpen, classifier, ignored, state.shown, state.counts, state.playing], () =>
       this.ask(),
     );
-    watch([question], () => this.showAgain());
+    watch([question], () => {
+      askedPiece.value = question.peek();
+      this.showAgain();
+    });
     watch([state.sequence], () => this.openedAnother());
   }
 
@@ -151,11 +158,7 @@ export class Predicting {
 }
 
 /** Write `ASKED` for points by their runs; `numbers`: the points of `ids`, null: all. */
-function mark(
-  runs: readonly (readonly [number, number])[],
-  numbers: Uint32Array | null,
-  ids: Uint16Array,
-): void {
+function mark(runs: Runs, numbers: Uint32Array | null, ids: Uint16Array): void {
   for (const [first, length] of runs) {
     const from = numbers ? lowerBound(numbers, first) : first;
     ids.fill(ASKED, from, numbers ? lowerBound(numbers, first + length) : first + length);

@@ -1,4 +1,5 @@
 /** Colours of labels: their own, or by confidence or provenance in the frame on screen. */
+import { signal } from '@preact/signals';
 import type { Label } from '../../protocol/messages';
 import { state, type TimelineRow } from '../../store/state';
 
@@ -9,6 +10,12 @@ export const PAINTED = '#5ea2ff';
 export const TRACKED = '#e8b04a';
 /** Neither tracked nor painted here. */
 export const UNKNOWN = '#8791a0';
+
+/** Points that have another class than the one that is looked at. */
+export const FADED = '#8f8f8f';
+
+/** Tells the labels that keep their colours, while one class is looked at; null: all. */
+export const looked = signal<((label: Label) => boolean) | null>(null);
 
 /** A colour between two, "#rrggbb". */
 export function mixed(from: string, to: string, share: number): string {
@@ -45,7 +52,9 @@ export function provenanceColour(row: TimelineRow | undefined, frame: number): s
 
 /** The palette in the colours of now; reads signals. */
 export function colouredLabels(): readonly Label[] {
-  const labels = state.palette.value;
+  const keeps = looked.value;
+  const fade = (label: Label): Label => (keeps!(label) ? label : { ...label, color: FADED });
+  const labels = keeps ? state.palette.value.map(fade) : state.palette.value;
   const { color } = state.view.value;
   if (color !== 'confidence' && color !== 'provenance') return labels;
   const colour = color === 'confidence' ? confidenceColour : provenanceColour;

@@ -4,6 +4,7 @@ import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/ho
 import { Lens, type CameraPicture } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
 import {
+  askedPiece,
   largeCamera,
   largeOpacity,
   outlines,
@@ -91,12 +92,14 @@ function Camera({ picture, source, large }: CameraProps) {
   const [raster] = useState(() => rasterOf(picture, large ? LARGE_RASTER : RASTER));
   const shown = projectedFrame.value;
   const colours = useColours();
+  const piece = askedPiece.value;
   useEffect(() => {
     const pen = canvas.current?.getContext('2d');
     if (!pen || !lens || !shown) return;
     raster.draw(shown.frame, lens, colours);
     pen.putImageData(raster.pixels, 0, 0);
-  }, [lens, shown, colours]);
+    if (piece?.frame === shown.frame.index) raster.outline(pen, shown.frame, lens, piece.runs);
+  }, [lens, shown, colours, piece]);
 
   /** The point under the pointer, and where it is. */
   const under = (event: MouseEvent): [number, number, number] | null => {
