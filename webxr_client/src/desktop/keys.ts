@@ -7,7 +7,7 @@ import {
   pointsFromBox,
   turnRound,
 } from '../boxes/changes';
-import { answerDoubt, answerNth, exampleOpen, natural, question, skipDoubt, takeBackAnswer } from '../example/store'; // prettier-ignore
+import { answerDoubt, answerNth, exampleOpen, question, showNatural, skipDoubt, takeBackAnswer } from '../example/store'; // prettier-ignore
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
 import { canEdit, isStroke, state, type BrushShape } from '../store/state';
@@ -31,10 +31,6 @@ export interface KeyBinding {
   readonly run: (key: string) => unknown;
   /** The key is no longer held. */
   readonly released?: () => void;
-}
-
-function showNatural(on: boolean): void {
-  natural.value = on;
 }
 
 /** The lasso's key, pressed again, changes how the outline is drawn. */

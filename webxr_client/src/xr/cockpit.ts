@@ -9,6 +9,7 @@ import { follow, peek } from '../store/watch';
 import { notify, state } from '../store/state';
 import { roomWay } from '../tools/ways';
 import { Buttons } from './input/buttons';
+import { answersAt } from './painting/answers';
 import { Cues } from './painting/cues';
 import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './input/haptics';
 import { Hud } from './panels/hud';
@@ -103,6 +104,7 @@ export class Cockpit {
     this.tipSign = new TipSign(() => feelPulse(LEVEL_TICK));
     this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline());
     this.upDown = new UpDown({
+      answers: (hand) => answersAt(this.place, hand),
       marked: () => feelPulse(LEVEL_TICK),
       taken: ({ device }) => this.lessons.done('label', device),
       level: (step) => this.painter.stepLevel(step),

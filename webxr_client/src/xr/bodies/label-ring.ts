@@ -5,16 +5,13 @@
 import { CircleGeometry, Group, Mesh, MeshBasicMaterial, RingGeometry, Vector3, type BufferGeometry } from 'three'; // prettier-ignore
 import { mergeGeometries } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import { free } from '../../common/free';
-import type { Label } from '../../protocol/messages';
-import { state } from '../../store/state';
-import { peek } from '../../store/watch';
 import { faceEyes } from '../drawing/facing';
 import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
 import { tint } from '../drawing/tint';
 import type { Spots } from '../input/kind';
 import { ORDER } from '../input/model';
-import { labelBeside, type UpDown } from '../input/up-down';
+import { type Choice, labelBeside, type UpDown } from '../input/up-down';
 import type { Rig } from '../moving/rig';
 import type { Body } from './body';
 
@@ -45,7 +42,7 @@ export class LabelRing {
   private readonly sign = new Sign({ em: SIZES.tips.em, order: 126 });
   private readonly at = new Vector3();
   /** Content of the drawn ring; another content is drawn again. */
-  private palette: readonly Label[] | null = null;
+  private palette: readonly Choice[] | null = null;
   private active = -1;
   private marked = NaN;
   private shown = false;
@@ -61,15 +58,15 @@ export class LabelRing {
   /** Once per picture. */
   update(body: Body | null, rig: Rig): void {
     const { mesh, upDown, at } = this;
-    const palette = peek(state.palette);
+    const palette = upDown.list;
     const least = upDown.shown ? 2 : 1;
     mesh.visible = palette.length >= least && (body?.pointer.device.pad ?? 'none') !== 'none';
-    this.sign.mesh.visible = mesh.visible && upDown.marked !== 0;
+    this.sign.mesh.visible = mesh.visible && (upDown.marked !== 0 || upDown.answers !== null);
     if (!body || !mesh.visible) return;
     const { grip, side } = body.pointer;
     if (mesh.parent !== grip) grip.add(mesh);
     this.lay(body.spots);
-    this.draw(palette, peek(state.activeLabel));
+    this.draw(palette, upDown.active);
     if (!this.sign.mesh.visible) return;
     at.copy(mesh.position).applyMatrix4(grip.matrix);
     faceEyes(this.group, at, rig.headInRig, BESIDE[side === 'left' ? 'left' : 'right']);
@@ -84,7 +81,7 @@ export class LabelRing {
     mesh.scale.setScalar(upDown.shown ? 1 : SMALL);
   }
 
-  private draw(palette: readonly Label[], active: number): void {
+  private draw(palette: readonly Choice[], active: number): void {
     const { marked, shown: thumb } = this.upDown;
     const same = palette === this.palette && active === this.active;
     if (same && marked === this.marked && thumb === this.shown) return;
@@ -93,7 +90,7 @@ export class LabelRing {
     const direction = Math.sign(marked);
     // Held on, the ring turns: the marked label stays where the thumb is.
     const middle = labelBeside(palette, active, marked - direction);
-    const labelAt = (steps: number): Label =>
+    const labelAt = (steps: number): Choice =>
       palette.find(({ id }) => id === labelBeside(palette, middle, steps))!;
     const others = palette.length - 1;
     const shown = ARCS.slice(0, thumb ? Math.max(2, others) : 2 * Math.min(1, others));
@@ -108,9 +105,9 @@ export class LabelRing {
     mesh.geometry.dispose();
     mesh.geometry = mergeGeometries(parts).rotateX(-Math.PI / 2);
     for (const part of parts) part.dispose();
-    if (direction !== 0) {
-      this.sign.write(`${direction < 0 ? '↑' : '↓'} ${labelAt(direction).name}`);
-    }
+    if (!this.sign.mesh.visible) return;
+    const named = direction === 0 ? [-1, 1] : [direction];
+    this.sign.write(named.map((at) => `${at < 0 ? '↑' : '↓'} ${labelAt(at).name}`).join('\n'));
   }
 
   dispose(): void {

@@ -1,4 +1,5 @@
 /** Actions of sticks, pads and buttons besides painting. */
+import { showNatural } from '../../example/store';
 import { actions } from '../../store/actions';
 import { peek } from '../../store/watch';
 import { state } from '../../store/state';
@@ -22,6 +23,7 @@ export class Buttons {
   }
 
   private ofBrush(brush: Pointer, seconds: Float64Array, now: number): void {
+    if (brush.edge.squeeze !== 0) showNatural(brush.edge.squeeze > 0);
     this.time(brush, now);
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {

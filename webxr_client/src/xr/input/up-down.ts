@@ -1,4 +1,4 @@
-/** Up and down of the thumb of the hand that paints: the ring of labels, or levels of an object. */
+/** Up and down of the thumb of the hand that paints: a ring of labels or answers, or levels of an object. */
 import type { Label } from '../../protocol/messages';
 import { actions } from '../../store/actions';
 import { state } from '../../store/state';
@@ -9,7 +9,18 @@ import type { Pointer } from './pointer';
 /** Purpose of a push, from its beginning until the thumb lets go; `over`: it does nothing more. */
 type Purpose = 'none' | 'labels' | 'levels' | 'over';
 
+/** A label, or an answer to a doubt. */
+export type Choice = Pick<Label, 'id' | 'name' | 'color'>;
+
+/** Choices that replace the labels; the first one is in the middle and cannot be taken. */
+export interface Answers {
+  readonly list: readonly Choice[];
+  take(id: number): unknown;
+}
+
 export interface UpDownActs {
+  /** Answers that the ring offers now; null: it offers labels. */
+  answers(hand: Pointer): Answers | null;
   /** Another label is marked on the ring. */
   marked(): void;
   taken(hand: Pointer): void;
@@ -27,11 +38,22 @@ export class UpDown {
   shown = false;
   /** Steps down the palette from the active label to the marked one; 0: none is marked. */
   marked = 0;
+  answers: Answers | null = null;
   private purpose: Purpose = 'none';
   private hand: Pointer | null = null;
   private readonly repeat = new Repeat();
 
   constructor(private readonly acts: UpDownActs) {}
+
+  /** The choices on the ring. */
+  get list(): readonly Choice[] {
+    return this.answers?.list ?? peek(state.palette);
+  }
+
+  /** The choice in the middle of the ring. */
+  get active(): number {
+    return this.answers ? 0 : peek(state.activeLabel);
+  }
 
   /** Once per picture, before the pad does anything else. */
   update(hand: Pointer | null, now: number): void {
@@ -45,7 +67,8 @@ export class UpDown {
     const { pad, pinching } = hand;
     this.shown = pad.touched || pad.y !== 0;
     if (pad.y === 0) this.letGo();
-    else if (this.purpose === 'none') this.purpose = pinching ? 'levels' : 'labels';
+    if (this.purpose === 'none') this.answers = this.shown ? this.acts.answers(hand) : null;
+    if (pad.y !== 0 && this.purpose === 'none') this.purpose = pinching ? 'levels' : 'labels';
     this.obeyTrigger(pinching);
     const idle = this.purpose === 'none' || this.purpose === 'over';
     const step = this.repeat.update(idle ? 0 : pad.y, now);
@@ -67,7 +90,7 @@ export class UpDown {
   }
 
   private mark(steps: number): void {
-    const marked = peek(state.palette).length < 2 ? 0 : steps;
+    const marked = this.list.length < 2 ? 0 : steps;
     if (marked === this.marked) return;
     this.marked = marked;
     if (marked !== 0) this.acts.marked();
@@ -91,25 +114,32 @@ export class UpDown {
   }
 
   private take(): void {
-    const active = peek(state.activeLabel);
-    const next = labelBeside(peek(state.palette), active, this.marked);
+    const { active, answers } = this;
+    const next = labelBeside(this.list, active, this.marked);
     this.marked = 0;
     if (next === active) return;
-    actions.labels.selectLabel(next);
-    this.acts.taken(this.hand!);
+    if (!answers) {
+      actions.labels.selectLabel(next);
+      this.acts.taken(this.hand!);
+      return;
+    }
+    // A press that is held on does not answer the next question.
+    this.purpose = 'over';
+    answers.take(next);
   }
 
   /** Another hand paints, this one is out of sight, or the pad is its grip's: nothing is taken. */
   private forget(): void {
     this.purpose = 'over';
     this.shown = false;
+    this.answers = null;
     this.marked = 0;
     this.repeat.update(0, 0);
   }
 }
 
-/** The label so many steps below the active one in the palette, round and round. */
-export function labelBeside(palette: readonly Label[], active: number, steps: number): number {
+/** The choice so many steps below the active one in a list, round and round. */
+export function labelBeside(palette: readonly Choice[], active: number, steps: number): number {
   const { length } = palette;
   const at = palette.findIndex(({ id }) => id === active);
   const from = at < 0 && steps < 0 ? 0 : at;

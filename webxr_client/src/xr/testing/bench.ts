@@ -19,6 +19,7 @@ import { roomWay } from '../../tools/ways';
 import { Buttons } from '../input/buttons';
 import { Lessons } from '../input/lessons';
 import { UpDown } from '../input/up-down';
+import { answersAt } from '../painting/answers';
 import { Painter } from '../painting/painter';
 import { Place } from '../painting/place';
 import { Worn, type TestSource } from './sources';
@@ -72,6 +73,7 @@ export class Bench {
     this.painter = new Painter(engine, this.place, nothing);
     this.buttons = new Buttons(new Lessons(), () => this.acted.push('panels'));
     this.upDown = new UpDown({
+      answers: (hand) => answersAt(this.place, hand),
       marked: nothing,
       taken: nothing,
       level: (step) => this.painter.stepLevel(step),
