@@ -105,6 +105,7 @@ def test_what_is_painted_teaches_and_the_rest_follows(server: LiveServer, desk: 
     assert answered.value.json()["changed"] == points
     desk.until("pb.state.undo.value !== null")
     assert (server.annotation(SEQUENCE, 0) > 0).sum() == before + points
+    page.get_by_role("button", name="Stop asking").click()
     page.get_by_role("button", name="Turn into labels…").click()
     page.get_by_role("slider", name="Minimum confidence").fill("0")
     expect(page.get_by_role("group", name="Changes")).to_contain_text("room")

@@ -60,11 +60,11 @@ describe('suggested names', () => {
 
 describe('numbers', () => {
   it('read easily', () => {
-    expect(count(1234567)).toBe('1\u2009234\u2009567');
+    expect(count(1234567)).toBe('1\u202f234\u202f567');
     expect([9999, 217088, 1234567].map(shortCount)).toEqual([
-      '9\u2009999',
-      '217\u2009k',
-      '1.23\u2009M',
+      '9\u202f999',
+      '217\u202fk',
+      '1.23\u202fM',
     ]);
     expect([0.005, 0.05, 0.25, 1.5, 12].map(metres)).toEqual([
       '0.5 cm',

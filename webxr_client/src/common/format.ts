@@ -1,8 +1,8 @@
 /** Numbers as people read them. */
 
-const THIN_SPACE = '\u2009';
+const THIN_SPACE = '\u202f';
 
-/** 1234567 → "1 234 567" with thin spaces. */
+/** 1234567 → "1 234 567" with thin spaces, at which no line ends. */
 export function count(value: number): string {
   return String(Math.round(value)).replace(/\B(?=(\d{3})+$)/g, THIN_SPACE);
 }

@@ -39,11 +39,9 @@ export function ExampleBar() {
   if (!exampleOpen.value || !state.sequence.value) return null;
   return (
     <section class="example-bar bar card" aria-label="Label by example">
-      {question.value && <Asked place={question.value} />}
       <div class="example-row line start">
         <Icon name="example" />
-        <div class="example-parts line wrap grow">{classifier.value ? <Predicted /> : <Begin />}</div>
-        <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
+        {question.value ? <Asked place={question.value} /> : <Predicted />}
       </div>
     </section>
   ); // prettier-ignore
@@ -65,12 +63,22 @@ function Begin() {
 function Predicted() {
   return (
     <>
-      <Told />
-      <Button label={question.value ? 'Skip' : 'Next doubt'} keys=";" kind="outlined" tip={question.value ? 'Leave this place open, and do not ask about it again' : 'Go to the doubtful place that teaches the classifier most'} disabled={asking.value && question.value === null} onClick={() => void skipDoubt()} />
+      <div class="example-parts line wrap grow">
+        {classifier.value ? <><Told /><Doubts label="Next doubt" tip="Go to the doubtful place that teaches the classifier most" disabled={asking.value} /><Apply /></> : <Begin />}
+      </div>
+      <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
+    </>
+  ); // prettier-ignore
+}
+
+/** Buttons to the next doubt, and back to the last one. */
+function Doubts({ label, tip, disabled }: { label: string; tip: string; disabled: boolean }) {
+  return (
+    <>
+      <Button label={label} keys=";" kind="outlined" tip={tip} disabled={disabled} onClick={() => void skipDoubt()} />
       {answered.value.length > 0 && (
         <Button icon="undo" label="Undo answer" keys="Backspace" kind="outlined" tip="Take back the last answer, and ask again" onClick={takeBackAnswer} />
       )}
-      <Apply />
     </>
   ); // prettier-ignore
 }
@@ -93,8 +101,8 @@ function Asked({ place }: { place: Question }) {
   const colours = coloursOf(classes, state.palette.value);
   const likely = (name: string): boolean => place.classes.includes(name);
   return (
-    <div class="example-row line start" role="group" aria-label="A place in doubt">
-      <div class="example-parts line wrap grow">
+    <>
+      <div class="example-parts line wrap grow" role="group" aria-label="A place in doubt">
         <span>Which class is the outlined piece ({plural(place.points, 'point')})?</span>
         {classes.map((name, k) => (
           <button key={name} type="button" class={`button${likely(name) ? ' outlined' : ''}`} data-keys={name === place.classes[0] ? 'Enter' : undefined} data-tip={`Label them as ${name}`} disabled={!answerable.value} onClick={() => answerDoubt(name)}>
@@ -105,9 +113,10 @@ function Asked({ place }: { place: Question }) {
         <button type="button" class="button outlined" data-tip="Leave them without a label, and do not ask again" disabled={!answerable.value} onClick={() => answerDoubt(null)}>
           <span class="button-label">None of these</span> <span class="kbd">0</span>
         </button>
+        <Doubts label="Skip" tip="Leave this place open, and do not ask about it again" disabled={false} />
       </div>
       <Button icon="close" small tip="Stop asking" onClick={leaveQuestion} />
-    </div>
+    </>
   ); // prettier-ignore
 }
 

@@ -30,7 +30,7 @@ function ExamplePanel() {
   return (
     <>
       <header class="panel-head line spread">
-        <h2 class="name">{classifier.value.name}</h2>
+        <h2 class="name">By example: {classifier.value.name}</h2>
         <span class="line">
           <Choice />
           <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />

@@ -5,7 +5,7 @@ import { plural } from '../common/format';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
-import { marked } from '../work/places';
+import { marked, markedRadius } from '../work/places';
 import { workOpen } from '../work/store';
 import {
   labelOf,
@@ -111,8 +111,8 @@ export function takeBackAnswer(): boolean {
     const path = sequencePath(place.sequence);
     if (edited) await undoAnswer(path, edited);
     else {
-      const query = new URLSearchParams(place.centre.map((x) => ['centre', String(x)]));
-      query.set('classifier', classifier.peek()!.id);
+      const query = new URLSearchParams({ classifier: classifier.peek()!.id });
+      for (const x of place.centre) query.append('centre', String(x));
       await api('DELETE', `${path}/doubt/answers?${query.toString()}`);
       ignored.value += 1;
     }
@@ -261,6 +261,7 @@ export function showPlace(): void {
   const place = question.peek();
   if (!place || place.sequence !== state.sequence.peek()?.id) return;
   actions.time.seek(place.frame);
+  markedRadius.value = place.radius;
   marked.value = [...place.centre];
 }
 

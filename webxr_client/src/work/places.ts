@@ -6,6 +6,8 @@ import type { Place } from './model';
 
 /** The place that the camera flew to, source coordinates; it is marked. */
 export const marked = signal<Place | null>(null);
+/** Radius of the marked place that has to be in the picture, metres; 0: it is a point. */
+export const markedRadius = signal(0);
 /** Receiver of the place of the next click; null: a click uses the tool. */
 export const pointing = signal<((place: Place) => void) | null>(null);
 
@@ -27,6 +29,7 @@ export function visit(frame: number | null, place: Place | null): void {
     actions.time.pause();
     actions.time.seek(frame);
   }
+  markedRadius.value = 0;
   marked.value = place && [...place];
 }
 

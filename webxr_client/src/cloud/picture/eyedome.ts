@@ -8,6 +8,8 @@ type Shading = readonly [strength: number, least: number];
 const NO_SHADING: Shading = [0, 1];
 /** Shading of edges only, for colours that show shapes. */
 const EDGE_SHADING: Shading = [4, 0.67];
+/** Of shapes in the colours of classes, which have to stay recognisable. */
+const CLASS_SHADING: Shading = [16, 0.5];
 /** Of all shapes, which plain points show by nothing else. */
 const SHAPE_SHADING: Shading = [60, 0.2];
 /** Pixels between a place and the places that are compared with it to find edges. */
@@ -62,7 +64,7 @@ export class EyeDome {
     this.choose();
   }
 
-  /** Shade as for plain colours, or by the view alone. */
+  /** Shade the colours of classes, or by the view alone. */
   setFlat(flat: boolean): void {
     this.flat = flat;
     this.choose();
@@ -70,7 +72,8 @@ export class EyeDome {
 
   private choose(): void {
     const { on, plain } = this.view;
-    this.shading.value = !on ? NO_SHADING : plain || this.flat ? SHAPE_SHADING : EDGE_SHADING;
+    const shapes = this.flat ? CLASS_SHADING : plain ? SHAPE_SHADING : EDGE_SHADING;
+    this.shading.value = on ? shapes : NO_SHADING;
   }
 
   get shades(): boolean {

@@ -200,7 +200,7 @@ void main() {
   if (deleted) base = mix(base, vec3(0.85, 0.2, 0.2), 0.75) * 0.7;
   else if (mapping == 1 && id != 65344) {
     float height = clamp(dot(heightRow, vec4(position, 1.0)), 0.0, 1.0);
-    float tone = 0.5 + 0.32 * lightness() + 0.26 * height;
+    float tone = 0.58 + 0.3 * lightness() + 0.22 * height;
     // Labelled points are lighter than predicted ones of the same class.
     vec3 own = id == 0 ? vec3(0.5) : predicted ? entry.rgb : mix(entry.rgb, vec3(1.0), 0.4);
     base = own * (unlabeled ? tone : tone + 0.15);
@@ -211,7 +211,7 @@ void main() {
     base = mix(base, entry.rgb * (0.55 + 0.6 * light), predicted ? 0.85 * labelBlend : labelBlend);
   }
 
-  float grow = predicted ? 0.7 : 1.0;
+  float grow = predicted && mapping != 1 ? 0.7 : 1.0;
   if (!deleted && (flags & 32) != 0) {
     base = mix(base, vec3(1.0), 0.65 * pulse);
     grow += 0.35 * pulse;

@@ -51,7 +51,7 @@ describe('labels whose files have the names of no frame', () => {
       {
         kind: 'success',
         detail:
-          '1\u2009100 points in 2 frames. a.label → 0, b.label → 2. Locked labels kept their points: wall',
+          '1\u202f100 points in 2 frames. a.label → 0, b.label → 2. Locked labels kept their points: wall',
       },
     ]);
   });

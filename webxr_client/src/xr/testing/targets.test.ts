@@ -206,8 +206,8 @@ describe('the palette counts the points of a label', () => {
     for (const page of ['Labels', 'Edit', 'Delete']) press(palette, page);
     written.length = 0;
     sides(palette);
-    expect(written).toContain('3\u2009669 points in this frame');
-    expect(written).toContain('59\u2009726 points in all frames');
+    expect(written).toContain('3\u202f669 points in this frame');
+    expect(written).toContain('59\u202f726 points in all frames');
     // The question is asked of the frame that is shown.
     state.frame.value = 0;
     written.length = 0;
@@ -217,7 +217,7 @@ describe('the palette counts the points of a label', () => {
     press(palette, 'Back');
     written.length = 0;
     sides(palette);
-    expect(written).toContain('60\u2009k in all');
+    expect(written).toContain('60\u202fk in all');
   });
 });
 
