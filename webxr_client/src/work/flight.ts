@@ -5,15 +5,13 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Place } from './model';
-import { looking, marked, markedRadius, pointing } from './places';
+import { distanceAround, DOWN_AROUND, looking, marked, pointing } from './places';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.2;
 const [NEAREST, FARTHEST] = [0.8, 10];
-/** Distance to a place with a radius, in radii, and metres at least. */
-const [RADII, AROUND] = [10, 3];
 /** Least downward part of the view's direction, so that objects do not hide the place. */
-const [LEAST_DOWN, LEAST_DOWN_AROUND] = [0.25, 0.6];
+const LEAST_DOWN = 0.25;
 /** Metres within which a click meets a point. */
 const REACH = 0.1;
 /** Metres within which the middle of the picture meets a point. */
@@ -57,12 +55,12 @@ export class Flight {
     const distance = back.length();
     if (distance < 1e-3) back.set(0, 0.5, 1);
     back.normalize();
-    const radius = markedRadius.peek();
-    back.y = Math.max(back.y, radius > 0 ? LEAST_DOWN_AROUND : LEAST_DOWN);
+    const around = distanceAround();
+    back.y = Math.max(back.y, around > 0 ? DOWN_AROUND : LEAST_DOWN);
     const diagonal = new Vector3(...info.hi).distanceTo(new Vector3(...info.lo));
     const near = Math.min(FARTHEST, Math.max(NEAREST, NEAR_SHARE * diagonal));
     const far = Math.min(near, Math.max(distance, NEAREST));
-    back.normalize().multiplyScalar(radius > 0 ? Math.max(AROUND, RADII * radius) : far);
+    back.normalize().multiplyScalar(around > 0 ? around : far);
     this.engine.camera.lookAt(target.clone().add(back), target);
   }
 

@@ -8,6 +8,17 @@ import type { Place } from './model';
 export const marked = signal<Place | null>(null);
 /** Radius of the marked place that has to be in the picture, metres; 0: it is a point. */
 export const markedRadius = signal(0);
+/** Distance from which a place with a radius is looked at, in radii, and metres at least. */
+const [RADII, LEAST_AROUND] = [10, 3];
+/** Rise of the eyes over such a place for a metre along. */
+export const DOWN_AROUND = 0.6;
+
+/** Distance from which the marked place is looked at, metres; 0: it is a point. */
+export function distanceAround(): number {
+  const radius = markedRadius.peek();
+  return radius > 0 ? Math.max(LEAST_AROUND, RADII * radius) : 0;
+}
+
 /** Receiver of the place of the next click; null: a click uses the tool. */
 export const pointing = signal<((place: Place) => void) | null>(null);
 

@@ -2,12 +2,14 @@
  * Everything that is there while one is inside: hands, brush, panels, moving about.  `update` runs
  * before each picture and allocates nothing unless something happens.
  */
+import { Vector3 } from 'three';
 import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { Listeners } from '../store/listeners';
-import { follow, peek } from '../store/watch';
+import { follow, peek, watch } from '../store/watch';
 import { notify, state } from '../store/state';
 import { roomWay } from '../tools/ways';
+import { distanceAround, DOWN_AROUND, marked } from '../work/places';
 import { Buttons } from './input/buttons';
 import { answersAt } from './painting/answers';
 import { Cues } from './painting/cues';
@@ -26,7 +28,7 @@ import { Pulse } from './panels/pulse';
 import { Rig } from './moving/rig';
 import { RoomPanels } from './panels/room-panels';
 import { xrSettings } from '../store/xr-settings';
-import { standBefore } from './moving/standing';
+import { standBefore, standRound } from './moving/standing';
 import { RoomScale } from './moving/room-scale';
 import { TipSign } from './painting/tip-sign';
 import { Lessons } from './input/lessons';
@@ -156,6 +158,7 @@ export class Cockpit {
     );
     this.session.addEventListener('select', this.cues.wake);
     undo.push(() => this.session.removeEventListener('select', this.cues.wake));
+    undo.push(watch([marked], () => this.visit()));
     let { hand: side, seated } = peek(xrSettings);
     undo.push(
       follow(() => {
@@ -240,6 +243,18 @@ export class Cockpit {
     if (!standBefore(frame, room.matrixWorld, this.rig, info.shift)) return;
     this.standing = true;
     this.settle(peek(xrSettings).seated);
+  }
+
+  /** Before the piece that is asked about. */
+  private visit(): void {
+    const place = marked.peek();
+    const info = state.sequence.peek();
+    if (!place || !info || !this.standing || distanceAround() === 0) return;
+    const { room, world } = this.engine.viewer;
+    const at = new Vector3(...place).sub(new Vector3(...info.shift)).applyMatrix4(room.matrixWorld);
+    const distance = distanceAround() * world.scale.x;
+    standRound(at, distance, DOWN_AROUND * distance, this.rig);
+    this.panels.settle();
   }
 
   private carryPanels(): void {

@@ -84,6 +84,7 @@ function tally(): Tally | undefined {
 
 function told(): string {
   if (!canEdit.peek()) return VIEWER;
+  if (question.peek()) return 'Point at the piece and push the pad, or:';
   const { points = 0, unsure = 0 } = tally() ?? {};
   if (asking.peek()) return 'Predicting…';
   if (points === 0) return 'No prediction in this frame yet';
