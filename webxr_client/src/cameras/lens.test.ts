@@ -92,14 +92,17 @@ it('projects the nearest point of each pixel, and finds it again', async () => {
   expect(raster.nearest(32, 24, 2)).toBe(1);
 });
 
-it('has discs round the points of an outlined piece alone', async () => {
+it('draws dots at the points of an outlined piece alone, and clears their inside', async () => {
   const { Projected } = await import('./projected');
   const frame = frameOf([[4000, 0, 100], [8000, 0, 100], [8000, 2000, 100], [2000, 60_000, 0]]); // prettier-ignore
-  const discs: number[][] = [];
-  const pen = { beginPath: vi.fn(), moveTo: vi.fn(), fill: vi.fn(), arc: (...disc: number[]) => discs.push(disc.slice(0, 3)) }; // prettier-ignore
+  const dots: [number, number][] = [];
+  const strokes: [number, string][] = [];
+  const pen = {
+    beginPath: () => dots.splice(0), moveTo: (u: number, v: number) => dots.push([u, v]), lineTo: vi.fn(),
+    stroke: () => strokes.push([pen.lineWidth, pen.globalCompositeOperation]), lineWidth: 0, globalCompositeOperation: '',
+  }; // prettier-ignore
   new Projected(320, 240).outline(pen as never, frame, Lens.of(picture(), [0, 0, 0])!, [[0, 1], [2, 2]]); // prettier-ignore
-  const piece = discs.filter(([, , size]) => size === discs[0]![2]).map(([u, v]) => [u, v]);
-  expect(piece).toEqual([[160, 120], [97.5, 120]]); // prettier-ignore
-  // The last discs clear the inside, so that the edge is left.
-  expect(discs.at(-1)![2]).toBeLessThan(discs[0]![2]!);
+  expect(dots).toEqual([[160, 120], [97.5, 120]]); // prettier-ignore
+  const [[outer], [inner, how]] = [strokes[0]!, strokes.at(-1)!];
+  expect([inner < outer, how]).toEqual([true, 'destination-out']);
 });

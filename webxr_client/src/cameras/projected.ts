@@ -9,12 +9,14 @@ export const MOST = 60_000;
 /** Opacity, of 255, of points with and without a label. */
 const [LABELLED, UNLABELLED] = [235, 70];
 
-/** An outline: discs round the points, of which smaller discs are taken away; radii are parts of the width. */
+/** An outline: dots at the points without smaller dots; diameters are parts of the picture's width. */
 const RINGS = [
-  [1 / 80, '#0b0e12', 'source-over'],
-  [1 / 100, '#ffffff', 'source-over'],
-  [1 / 160, '#000000', 'destination-out'],
+  [1 / 40, '#0b0e12', 'source-over'],
+  [1 / 50, '#ffffff', 'source-over'],
+  [1 / 80, '#000000', 'destination-out'],
 ] as const;
+/** Length of the line that is drawn as a dot, pixels: one without length is not drawn. */
+const DOT = 0.01;
 
 /** Colour of a label, red, green, blue; null when its points are not shown. */
 export type ColourOf = (label: number) => readonly [number, number, number] | null;
@@ -67,17 +69,20 @@ export class Projected {
   /** Draw the edge of a piece of a frame, given by runs of stored numbers, over the picture. */
   outline(pen: CanvasRenderingContext2D, frame: CloudFrame, lens: Lens, runs: Runs): void {
     const share = this.width / lens.picture.width;
-    for (const [size, colour, how] of RINGS) {
-      pen.globalCompositeOperation = how;
-      pen.fillStyle = colour;
+    pen.lineCap = 'round';
+    for (const [width, colour, how] of RINGS) {
+      Object.assign(pen, { lineWidth: width * this.width, strokeStyle: colour, globalCompositeOperation: how }); // prettier-ignore
       pen.beginPath();
       for (const [first, length] of runs) {
         for (let point = first; point < first + length; point++) {
           const place = placeOf(frame, point);
-          if (place && lens.project(...place)) disc(pen, lens.at, share, size * this.width);
+          if (!place || !lens.project(...place)) continue;
+          const [u, v] = [lens.at[0]! * share, lens.at[1]! * share];
+          pen.moveTo(u, v);
+          pen.lineTo(u + DOT, v);
         }
       }
-      pen.fill();
+      pen.stroke();
     }
   }
 
@@ -114,12 +119,6 @@ export class Projected {
     }
     return found;
   }
-}
-
-/** Add a disc round a pixel of a picture, which is drawn scaled by `share`, to the path. */
-function disc(pen: CanvasRenderingContext2D, at: Float64Array, share: number, size: number): void {
-  pen.moveTo(at[0]! * share + size, at[1]! * share);
-  pen.arc(at[0]! * share, at[1]! * share, size, 0, 2 * Math.PI);
 }
 
 /** Return the position of a frame's point, local metres; null when it is not here. */

@@ -5,7 +5,7 @@ import { plural } from '../common/format';
 import { api, apiBytes } from '../net/rest';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
-import { marked, markedRadius } from '../work/places';
+import { marked, markedFrom } from '../work/places';
 import { workOpen } from '../work/store';
 import {
   labelOf,
@@ -15,6 +15,9 @@ import {
   type Question,
   type Scope,
 } from './model';
+
+/** Distance from which a doubt is looked at, in radii of its piece, and metres at least. */
+const [RADII_AWAY, LEAST_AWAY] = [10, 3];
 
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
@@ -261,7 +264,7 @@ export function showPlace(): void {
   const place = question.peek();
   if (!place || place.sequence !== state.sequence.peek()?.id) return;
   actions.time.seek(place.frame);
-  markedRadius.value = place.radius;
+  markedFrom.value = Math.max(LEAST_AWAY, RADII_AWAY * place.radius);
   marked.value = [...place.centre];
 }
 

@@ -5,7 +5,7 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Place } from './model';
-import { distanceAround, DOWN_AROUND, looking, marked, pointing } from './places';
+import { looking, marked, markedFrom, pointing, RISE } from './places';
 
 /** Distance to come within, as a share of the recording's diagonal, and in metres. */
 const NEAR_SHARE = 0.2;
@@ -55,12 +55,12 @@ export class Flight {
     const distance = back.length();
     if (distance < 1e-3) back.set(0, 0.5, 1);
     back.normalize();
-    const around = distanceAround();
-    back.y = Math.max(back.y, around > 0 ? DOWN_AROUND : LEAST_DOWN);
+    const from = markedFrom.peek();
+    back.y = Math.max(back.y, from > 0 ? RISE : LEAST_DOWN);
     const diagonal = new Vector3(...info.hi).distanceTo(new Vector3(...info.lo));
     const near = Math.min(FARTHEST, Math.max(NEAREST, NEAR_SHARE * diagonal));
     const far = Math.min(near, Math.max(distance, NEAREST));
-    back.normalize().multiplyScalar(around > 0 ? around : far);
+    back.normalize().multiplyScalar(from || far);
     this.engine.camera.lookAt(target.clone().add(back), target);
   }
 

@@ -6,19 +6,10 @@ import type { Place } from './model';
 
 /** The place that the camera flew to, source coordinates; it is marked. */
 export const marked = signal<Place | null>(null);
-/** Radius of the marked place that has to be in the picture, metres; 0: it is a point. */
-export const markedRadius = signal(0);
-/** Distance from which a place with a radius is looked at, in radii, and metres at least. */
-const [RADII, LEAST_AROUND] = [10, 3];
+/** Metres from which the marked place is looked at; 0: the view stays as far, within limits. */
+export const markedFrom = signal(0);
 /** Rise of the eyes over such a place for a metre along. */
-export const DOWN_AROUND = 0.6;
-
-/** Distance from which the marked place is looked at, metres; 0: it is a point. */
-export function distanceAround(): number {
-  const radius = markedRadius.peek();
-  return radius > 0 ? Math.max(LEAST_AROUND, RADII * radius) : 0;
-}
-
+export const RISE = 0.6;
 /** Receiver of the place of the next click; null: a click uses the tool. */
 export const pointing = signal<((place: Place) => void) | null>(null);
 
@@ -40,7 +31,7 @@ export function visit(frame: number | null, place: Place | null): void {
     actions.time.pause();
     actions.time.seek(frame);
   }
-  markedRadius.value = 0;
+  markedFrom.value = 0;
   marked.value = place && [...place];
 }
 

@@ -9,7 +9,7 @@ import { Listeners } from '../store/listeners';
 import { follow, peek, watch } from '../store/watch';
 import { notify, state } from '../store/state';
 import { roomWay } from '../tools/ways';
-import { distanceAround, DOWN_AROUND, marked } from '../work/places';
+import { marked, markedFrom, RISE } from '../work/places';
 import { Buttons } from './input/buttons';
 import { answersAt } from './painting/answers';
 import { Cues } from './painting/cues';
@@ -249,11 +249,10 @@ export class Cockpit {
   private visit(): void {
     const place = marked.peek();
     const info = state.sequence.peek();
-    if (!place || !info || !this.standing || distanceAround() === 0) return;
+    if (!place || !info || !this.standing || markedFrom.peek() === 0) return;
     const { room, world } = this.engine.viewer;
     const at = new Vector3(...place).sub(new Vector3(...info.shift)).applyMatrix4(room.matrixWorld);
-    const distance = distanceAround() * world.scale.x;
-    standRound(at, distance, DOWN_AROUND * distance, this.rig);
+    standRound(at, markedFrom.peek() * world.scale.x, RISE, this.rig);
     this.panels.settle();
   }
 

@@ -25,13 +25,13 @@ function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: 
   return found[Math.floor(PART * found.length)] ?? 0;
 }
 
-/** Stand at a level distance from a place of the scene, the eyes over it, and look at it. */
+/** Look at a place of the scene from a level distance, with the eyes `rise` over it for a metre along. */
 export function standRound(place: Vector3, distance: number, rise: number, rig: Rig): void {
   const way = place.clone().sub(rig.head).setY(0);
   if (way.lengthSq() === 0) way.copy(rig.ahead);
   way.normalize();
   rig.standAt(place.clone().addScaledVector(way, -distance), way);
-  rig.liftTo(rig.group.position.y + place.y + rise - rig.head.y);
+  rig.liftTo(rig.group.position.y + place.y + rise * distance - rig.head.y);
 }
 
 /** One stands so far before the nearest things, metres. */
