@@ -74,8 +74,6 @@ class SampleRequest(JobRequest):
     @property
     def readable(self) -> str:
         """Return the name from which the recording's id derives."""
-        from pointbrush.formats import source_name  # slow to load
-
         return self.kind
 
 
