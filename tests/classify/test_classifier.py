@@ -37,13 +37,16 @@ def examples() -> Examples:
 
 
 FEW = ForestOptions(trees=12)
-ALIKE = np.eye(3, dtype=np.float32)[np.arange(COUNT) % 3]
-"""Chances of the cells of a frame: each class is a third of them."""
-TAUGHT = (
-    Classifier("trees", ("a", "b", "c"), 0.5, ("here",), {("here", 0): examples()})
-    .learnt(FEW)
-    .scored(FEW, ALIKE)
-)
+
+
+def scored(taught: Classifier) -> Classifier:
+    """Learn, and expect the accuracy in a frame with as many cells of each class."""
+    found, seen = taught.learnt(FEW), examples().features
+    assert found.trees is not None
+    return found.scored(FEW, seen, probabilities(found.trees, seen))
+
+
+TAUGHT = scored(Classifier("trees", ("a", "b", "c"), 0.5, ("here",), {("here", 0): examples()}))
 
 
 def test_what_was_taught_is_known() -> None:
@@ -86,7 +89,7 @@ def test_accuracy_is_of_places_that_did_not_teach() -> None:
     some = examples()
     mixed = RNG.permutation(some.classes)
     guessed = replace(some, classes=np.repeat(mixed[::15], 15)[:COUNT])
-    found = replace(TAUGHT, examples={("here", 0): guessed}).learnt(FEW).scored(FEW, ALIKE / 2)
+    found = scored(replace(TAUGHT, examples={("here", 0): guessed}))
     assert found.score is not None
     assert found.score < 0.7  # each place is learnt by heart
     assert all(each.accuracy is not None for each in TAUGHT.held_out)
@@ -95,7 +98,7 @@ def test_accuracy_is_of_places_that_did_not_teach() -> None:
 def test_a_class_in_few_places_is_not_measured() -> None:
     some = examples()
     twice = replace(some, place=np.where(some.classes == 2, some.place % 2, some.place + 2))
-    found = replace(TAUGHT, examples={("here", 0): twice}).scored(FEW, ALIKE).held_out
+    found = scored(replace(TAUGHT, examples={("here", 0): twice})).held_out
     assert found[2].accuracy is None
     assert found[2].places == 2
     assert found[0].accuracy is not None

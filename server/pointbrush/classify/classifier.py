@@ -31,7 +31,7 @@ from pointbrush.classify.options import (
     ForestOptions,
 )
 from pointbrush.classify.reliability import DEFAULT_ABOVE, HeldOut, Taught, reliability
-from pointbrush.classify.smoothing import Chances, decided, smoothed, voted
+from pointbrush.classify.smoothing import Chances, smoothed, voted
 from pointbrush.errors import BadInputError
 from pointbrush.exchange.npz import Arrays, checked, read_npz
 
@@ -186,16 +186,16 @@ class Classifier:
             return replace(self, state=state)
         return replace(self, trees=taught.learnt(len(self.classes), self.spread, options))
 
-    def scored(self, options: ForestOptions, chance: Chances) -> Classifier:
-        """Return the same with the reliability of its trees in frames.
+    def scored(
+        self, options: ForestOptions, features: NDArray[np.float32], chance: Chances
+    ) -> Classifier:
+        """Return the same with the reliability of its trees in frames that taught it.
 
-        ``chance`` (N, K) of points of the frames that taught it.
+        ``features`` (n, F) and ``chance`` (n, K) of a sample of the frames' points.
         """
-        if self.model:
+        if self.trees is None:
             return self
-        taught, count = self.taught(options.most), len(self.classes)
-        best, margin = decided(chance)
-        found = reliability(taught, count, self.spread, options, best, margin.astype(np.float64))
+        found = reliability(self.taught(options.most), self.trees, features, chance)
         return replace(self, **found._asdict())
 
     def chances(

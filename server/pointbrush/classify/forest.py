@@ -23,6 +23,8 @@ Grown = tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]
 """One tree: features, thresholds, links and chances of its leaves."""
 LEAF = -1
 MOST_THREADS = 4
+GROUPS = 16
+"""Groups of trees; each leaves other examples out, so that they tell how sure the trees are."""
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -49,34 +51,43 @@ def learn(
     spread: Floats,
     options: ForestOptions,
     share: Floats | None = None,
+    fold: NDArray[np.int64] | None = None,
 ) -> Trees:
     """Learn ``count`` classes from examples (n, F) and their classes (n,).
 
     ``spread`` (F,) standard deviations of the features in whole frames.  Noise is
     added to the examples, so that no threshold fits a narrow gap between a few of them.  The same
-    examples give the same trees.
+    examples give the same trees.  ``share`` (n,): weight of an example beside others of its class;
+    ``fold`` (n,): the group of trees that does not learn it, -1 for none.
     """
     options.check()
     rng = np.random.default_rng(0)
-    weight = np.ones(len(classes)) if share is None else share
-    held = np.bincount(classes, weight, minlength=count)
-    weight = weight * (len(classes) / max((held > 0).sum(), 1) / held[classes])
+    share = np.ones(len(classes)) if share is None else share
+    fold = np.full(len(classes), -1) if fold is None else fold
     times = max(1, options.copies // max(len(classes), 1))
     features, classes = np.repeat(features, times, axis=0), np.repeat(classes, times)
+    share, fold = np.repeat(share, times), np.repeat(fold, times)
     shaken = rng.standard_normal(features.shape, np.float32)
     shaken = features + shaken * (options.shake * spread).astype(np.float32)
     columns = np.ascontiguousarray(shaken.T)  # a column at a time is looked at
-    weight = np.repeat(weight, times)
-    seeds = rng.integers(1, 2**31, options.trees)
+    seeds = rng.integers(1, 2**31, options.trees).tolist()
 
-    def grown(seed: int) -> Grown:
+    def grown(tree: int) -> Grown:
+        kept = np.flatnonzero(fold != tree % GROUPS)
+        held = np.bincount(classes[kept], share[kept], minlength=count)
+        weight = share * (len(kept) / max((held > 0).sum(), 1) / np.maximum(held, 1e-12)[classes])
         return _grow(
-            columns, classes, weight, count, seed, options.depth, options.fewest,
+            columns, classes, weight, kept, count, seeds[tree], options.depth, options.fewest,
             options.tried, options.smoothing,
         )  # fmt: skip
 
-    made = _threaded(grown, seeds.tolist())
-    return _joined(made)
+    return _joined(_threaded(grown, range(options.trees)))
+
+
+def groups_of(trees: Trees) -> list[Trees]:
+    """Return the groups of trees that left out the same examples."""
+    groups = range(min(GROUPS, len(trees.roots)))
+    return [trees._replace(roots=trees.roots[group::GROUPS]) for group in groups]
 
 
 def _threaded(work: Callable[[T], R], parts: Sequence[T]) -> list[R]:
@@ -129,11 +140,11 @@ def _random(state: NDArray[np.uint64]) -> float:
 
 @compiled
 def _grow(
-    columns: Features, classes: NDArray[np.int64], weight: Floats, kinds: int, seed: int,
-    depth: int, fewest: int, tried: int, smoothing: float,
+    columns: Features, classes: NDArray[np.int64], weight: Floats, kept: NDArray[np.int64],
+    kinds: int, seed: int, depth: int, fewest: int, tried: int, smoothing: float,
 ) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:  # fmt: skip
-    """Grow one tree; its links count from its own first node and leaf."""
-    count = columns.shape[1]
+    """Grow one tree of the examples ``kept``; its links count from its own first node and leaf."""
+    count = len(kept)
     state = np.array([seed], np.uint64)
     for _ in range(8):
         _random(state)
@@ -141,7 +152,7 @@ def _grow(
     feature = np.full(room, LEAF, np.int16)
     threshold, left = np.zeros(room, np.float32), np.zeros(room, np.int32)
     chance = np.zeros((count + 1, kinds))
-    order = np.arange(count)
+    order = kept.copy()
     # Nodes that wait: node, first and stop of its examples in ``order``, depth.
     waiting = np.empty((2 * depth + 4, 4), np.int64)
     waiting[0] = (0, 0, count, 0)

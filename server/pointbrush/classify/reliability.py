@@ -1,20 +1,19 @@
-"""Reliability of a classifier, measured in painted places that are held out."""
+"""Reliability of a classifier: how far trees that did not learn from the same places agree."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.classify.forest import Trees, learn, probabilities
+from pointbrush.classify.forest import GROUPS, Trees, groups_of, learn, probabilities
 from pointbrush.classify.options import ForestOptions
-from pointbrush.classify.smoothing import decided
+from pointbrush.classify.smoothing import Chances, decided
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-FOLDS = 10
 FEWEST_PLACES = 3
 """Painted places of a class below which its accuracy is not measured."""
 RELIABLE = 0.9
@@ -23,8 +22,6 @@ START_PLACES = 5.0
 """Local places of a class that weigh as much as all its examples of earlier work."""
 DEFAULT_ABOVE = 0.5
 """Confidence from which on points are labelled by default, before it is measured."""
-PRIOR_PLACES = 4.0
-"""Held-out places of a class that weigh as much as the reliability of all classes."""
 
 
 class Taught(NamedTuple):
@@ -51,7 +48,20 @@ class Taught(NamedTuple):
 
     def learnt(self, count: int, spread: Floats, options: ForestOptions) -> Trees:
         """Return trees that know ``count`` classes."""
-        return learn(self.features, self.classes, count, spread, options, self.shares())
+        shares, folds = self.shares(), self.folds()
+        return learn(self.features, self.classes, count, spread, options, shares, folds)
+
+    def folds(self) -> Ints:
+        """Deal places into folds (n,), each class alike; -1: the only place of a class."""
+        names, first, where = np.unique(self.place, return_index=True, return_inverse=True)
+        fold = np.empty(len(names), np.int64)
+        fold[np.lexsort((names, self.classes[first]))] = np.arange(len(names)) % GROUPS
+        out = fold[where.ravel()]
+        for kind in np.unique(self.classes):
+            members = self.classes == kind
+            if len(np.unique(out[members])) == 1:
+                out[members] = -1
+        return out
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,67 +84,34 @@ class Reliability(NamedTuple):
 
 
 def reliability(
-    taught: Taught, count: int, spread: Floats, options: ForestOptions, best: Ints, margin: Floats
+    taught: Taught, trees: Trees, features: NDArray[np.float32], chance: Chances
 ) -> Reliability:
-    """Measure the accuracy in held-out places, and expect it in frames.
+    """Expect the accuracy in frames; ``features`` (n, F) and ``chance`` (n, K) are a sample.
 
-    ``best`` (N,) and ``margin`` (N,) are the predicted classes and confidences of the frames'
-    points.  People paint where predictions are wrong.  Therefore the held-out places do not
-    represent the frame; the accuracy at each confidence does (isotonic regression).
+    Each group of trees left out a part of the painted places.  The share of groups that agree
+    with the prediction is about the probability that it is correct.  The accuracy in held-out
+    places is lower, because people paint where predictions are wrong.
     """
-    from scipy.optimize import isotonic_regression  # loads much that no other call needs
-
-    own = np.flatnonzero(taught.own)
-    kinds, places = taught.classes[own], taught.place[own]
-    painted = [len(np.unique(places[kinds == kind])) for kind in range(count)]
-    measured = [number >= FEWEST_PLACES for number in painted]
-    unknown = tuple(HeldOut(None, number) for number in painted)
-    if sum(measured) < min(2, count):
+    painted = [
+        len(np.unique(taught.place[taught.own & (taught.classes == kind)]))
+        for kind in range(chance.shape[1])
+    ]
+    measured = sum(number >= FEWEST_PLACES for number in painted)
+    if measured < min(2, len(painted)) or not len(chance):
+        unknown = tuple(HeldOut(None, number) for number in painted)
         return Reliability(None, unknown, DEFAULT_ABOVE)
-    guess, sure = _held_out(taught, count, spread, options)
-    right = (guess == kinds).astype(np.float64)
-    _, where, size = np.unique(places, return_inverse=True, return_counts=True)
-    weight = 1.0 / size[where.ravel()]
-    order = np.argsort(sure, kind="stable")
-    curve = isotonic_regression(right[order], weights=weight[order]).x
-    expected = np.interp(margin, sure[order], curve)
-    beyond = right - np.interp(sure, sure[order], curve)
-    found, total, share = [], 0.0, 0.0
-    for kind in range(count):
-        told, cells = guess == kind, best == kind
-        offset = (weight * beyond)[told].sum() / (weight[told].sum() + PRIOR_PLACES)
-        accuracy = None
-        if measured[kind]:
-            mean = float(expected[cells].mean()) if cells.any() else float(right[told].mean())
-            accuracy = float(np.clip(mean + offset, 0, 1))
-            total, share = total + accuracy * cells.mean(), share + cells.mean()
-        found.append(HeldOut(accuracy, painted[kind]))
-    return Reliability(total / share if share else None, tuple(found), _above(margin, expected))
+    best, margin = decided(chance)
+    votes = [probabilities(group, features).argmax(axis=1) == best for group in groups_of(trees)]
+    agree = np.mean(votes, axis=0)
+    found = []
+    for kind, number in enumerate(painted):
+        cells = agree[best == kind]
+        known = number >= FEWEST_PLACES and len(cells) > 0
+        found.append(HeldOut(float(cells.mean()) if known else None, number))
+    return Reliability(float(agree.mean()), tuple(found), _above(margin, agree))
 
 
-def _held_out(
-    taught: Taught, count: int, spread: Floats, options: ForestOptions
-) -> tuple[Ints, Floats]:
-    """Predict own examples (n,) by trees that were not taught their places; also the confidence."""
-    own = np.flatnonzero(taught.own)
-    names, first, where = np.unique(taught.place[own], return_index=True, return_inverse=True)
-    fold = np.empty(len(names), np.int64)
-    fold[np.lexsort((names, taught.classes[own[first]]))] = np.arange(len(names)) % FOLDS
-    out = fold[where.ravel()]
-    best, margin = np.zeros(len(own), np.int64), np.zeros(len(own))
-    fewer = replace(options, trees=max(1, options.trees // 3))
-    for number in range(FOLDS):
-        held = own[out == number]
-        kept = np.setdiff1d(np.arange(len(taught.classes)), held)
-        if len(held) and len(kept):
-            rest = Taught(*(column[kept] for column in taught))
-            trees = rest.learnt(count, spread, fewer)
-            chance = probabilities(trees, taught.features[held])
-            best[out == number], margin[out == number] = decided(chance)
-    return best, margin
-
-
-def _above(margin: Floats, expected: Floats) -> float:
+def _above(margin: NDArray[np.float32], expected: Floats) -> float:
     """Return the lowest confidence at which points are expected to be reliable."""
     order = np.argsort(-margin, kind="stable")
     mean = np.cumsum(expected[order]) / np.arange(1, len(order) + 1)

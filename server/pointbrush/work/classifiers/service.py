@@ -42,6 +42,8 @@ from pointbrush.work.classifiers.teaching import Teacher
 Numbers = NDArray[np.int64]
 SCORED_FRAMES = 3
 """Frames in which the accuracy is expected, evenly chosen."""
+SCORED_POINTS = 2_000
+"""Points of such a frame, evenly chosen in stored order."""
 FEWEST_CLASSES = 2
 """Classes of a recording from which others can start."""
 
@@ -156,27 +158,31 @@ class Classifiers:
             self._checked(each)
         with self._guard(identifier):
             names, fresh = self._fresh(identifier, recordings)
-            taught = fresh.scored(self.options.forest, self._seen(fresh))
+            taught = fresh.scored(self.options.forest, *self._sample(fresh))
             self._known[identifier] = names, taught
             self._write(identifier, taught, names)
         return _about(identifier, taught)
 
-    def _seen(self, classifier: Classifier) -> Chances:
-        """Return the chances (N, K) of the points of some frames with training points."""
+    def _sample(self, classifier: Classifier) -> tuple[NDArray[np.float32], Chances]:
+        """Return features (n, F) and chances (n, K) of points of some training frames."""
         recordings = self._opened(classifier.recordings)
         frames = [
             (recordings[name], frame)
             for name, frame in classifier.examples
             if name in recordings and frame < len(recordings[name])
-            and recordings[name][frame].count <= self.options.whole_points
-        ]  # fmt: skip
-        found = [np.zeros((0, len(classifier.classes)), np.float32)]
+        ]
+        features = [np.zeros((0, len(classifier.spread)), np.float32)]
+        chances = [np.zeros((0, len(classifier.classes)), np.float32)]
         for k in spread_frames(len(frames), SCORED_FRAMES):
             recording, frame = frames[k]
-            place = self._frames.whole(recording, frame, classifier.size)
-            chance = self._predictor.chances(classifier, recording, frame, place, None)
-            found.append(chance[place.of_point])
-        return np.concatenate(found)
+            middle = np.array([recording[frame].count // 2])
+            part = next(self._frames.holding(recording, frame, classifier.size, middle))
+            place = part.describe()
+            chance = self._predictor.chances(classifier, recording, frame, place, part.members)
+            cells = place.of_point[spread_frames(len(place.of_point), SCORED_POINTS)]
+            features.append(place.features[cells])
+            chances.append(chance[cells])
+        return np.concatenate(features), np.concatenate(chances)
 
     def starts(self, sequence: str) -> list[Start]:
         """Return the recordings that a classifier of a recording can start from.
