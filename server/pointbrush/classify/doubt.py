@@ -45,26 +45,29 @@ def doubts(
 ) -> list[Doubt]:
     """Return at most ``most`` places, most informative first.
 
-    A place is informative if many doubtful cells, of rare classes, resemble it more than any
-    example.  ``open_`` (C,): cells that may be asked about; ``taught`` (n, F):
-    features that were learnt from.
+    A place is informative if many doubtful points, of rare classes, resemble it more than any
+    example.  ``open_`` (C,): cells that may be asked about; ``taught`` (n, F): features that
+    were learnt from.
     """
     options.check()
-    cells = _some(np.flatnonzero(open_), options.compared)
-    if not len(cells):
+    points = np.flatnonzero(open_[place.of_point])
+    if not len(points):
         return []
+    cells = place.of_point[_some(points, options.compared)]
     margin = decided(chance)[1].astype(np.float64)
     best = two_best(chance)
-    unsure = (1.0 - margin[cells]) * _rarity(best, chance.shape[1], options)[cells]
+    unsure = (1.0 - margin[cells]) * _rarity(best[cells], chance.shape[1], options)
     scale = np.where(spread > 0, spread, 1.0).astype(np.float32)
     features = place.features[cells] / scale
-    considered = _some(np.arange(len(cells)), options.considered)
+    reached = np.cumsum(unsure)
+    considered = reached.searchsorted(np.linspace(0, reached[-1], options.considered))
+    considered = considered[np.unique(cells[considered], return_index=True)[1]]
     apart = _apart(features[considered], features)
     examples = _some(np.arange(len(taught)), MOST_COMPARED)
     nearest = np.ones(len(cells), np.float32)
     if len(examples):
         nearest = _apart(features, taught[examples] / scale).min(axis=1)
-    share = float(open_.sum()) / len(cells)
+    share = len(points) / len(cells)
     found = []
     for _ in range(min(most, len(considered))):
         worth = np.maximum(nearest - apart, 0.0) @ unsure

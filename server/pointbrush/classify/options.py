@@ -86,9 +86,9 @@ class DoubtOptions:
     """Places that are offered to be answered; all above 0."""
 
     compared: int = 1500
-    """Cells of a frame that stand for all that are open."""
+    """Points of a frame that stand for all that are open."""
     considered: int = 128
-    """Of these, cells that may be asked about."""
+    """Of these, places that may be asked about, more of them in doubt."""
     rarity: float = 0.4
     """Power of one over a class's share by which its doubts count."""
     edge: float = 16.0
