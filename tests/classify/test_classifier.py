@@ -17,7 +17,7 @@ from pointbrush.classify.classifier import (
     to_file,
 )
 from pointbrush.classify.features import feature_names
-from pointbrush.classify.forest import probabilities
+from pointbrush.classify.forest import GROUPS, groups_of, learn, probabilities
 from pointbrush.classify.options import FeatureOptions, ForestOptions
 from pointbrush.errors import BadInputError
 
@@ -93,6 +93,15 @@ def test_accuracy_is_of_places_that_did_not_teach() -> None:
     assert found.score is not None
     assert found.score < 0.7  # each place is learnt by heart
     assert all(each.accuracy is not None for each in TAUGHT.held_out)
+
+
+def test_each_group_of_trees_leaves_a_fold_out() -> None:
+    some = examples()
+    classes = some.classes.astype(np.int64)
+    fold = np.where(classes == 2, 5, -1)
+    trees = learn(some.features, classes, 3, some.spread, ForestOptions(), None, fold)
+    knows = [(probabilities(each, some.features).argmax(1) == 2).any() for each in groups_of(trees)]
+    assert knows == [group != 5 for group in range(GROUPS)]
 
 
 def test_a_class_in_few_places_is_not_measured() -> None:
