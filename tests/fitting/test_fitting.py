@@ -29,6 +29,11 @@ def test_a_side_that_is_not_seen_grows_away_from_the_sensor() -> None:
         assert box.poses[0].centre[2] - box.size[2] / 2 == pytest.approx(0, abs=0.06)
 
 
+def test_a_sensor_on_the_ground_is_the_origin_of_a_vehicle() -> None:
+    car = replace(seen("rb", 0.0, (4.0, 4.0)), sensor=np.zeros(3))
+    assert fit_box([car], priors_of("van")).size[0] < 4.9  # a van of 5.4 m has no space
+
+
 def test_points_painted_beside_a_car_do_not_widen_its_box() -> None:
     clean = seen("rtb", 0.4, (9.0, 2.0))
     stray = placed(

@@ -19,7 +19,6 @@ from pointbrush.fitting.parked import (
     world_centre,
 )
 from pointbrush.fitting.priors import SizePrior
-from pointbrush.fitting.rays import ground_height
 from pointbrush.fitting.sides import Sides, find_sides, likely_size
 from pointbrush.fitting.trajectory import smooth_angles, smooth_path, speeds
 from pointbrush.fitting.yaw import outline_yaw, wrapped
@@ -55,14 +54,13 @@ def start_of(
     """Fit each frame separately, and decide whether the object moves."""
     sides, sizes, chosen, centres, ground = [], [], [], [], []
     for view in views:
-        height = ground_height(view.xyz, view.others, options)
         eyes, ends = rays_of([view])
-        found, size, prior = best_sides(view.xyz, eyes, ends, height, priors, options)
+        found, size, prior = best_sides(view.xyz, eyes, ends, view.ground, priors, options)
         sides.append(found)
         sizes.append(size)
         chosen.append(prior)
         centres.append(world_centre(found, size, options))
-        ground.append(height)
+        ground.append(view.ground)
     times = np.array([view.time for view in views])
     places = np.array(centres)[:, :2]
     noise = np.full((len(views), 2), 0.3)

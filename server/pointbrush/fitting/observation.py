@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from pointbrush.errors import BadInputError
 from pointbrush.fitting.options import FitOptions
+from pointbrush.fitting.rays import ground_height
 
 Floats = NDArray[np.float64]
 NO_POINTS: Floats = np.zeros((0, 3))
@@ -46,7 +47,8 @@ class View:
     """An observation in level coordinates (z up), common to all frames with poses.
 
     ``T_level_frame`` (4, 4); ``xyz`` (n, 3): points without outliers; ``eye`` (3,) or None;
-    ``ends`` (m, 3): ends of the eye's rays, the object's own first; ``others`` (k, 3).
+    ``ends`` (m, 3): ends of the eye's rays, the object's own first; ``others`` (k, 3); ``ground``:
+    its height below the object, or None.
     """
 
     frame: int
@@ -56,6 +58,7 @@ class View:
     eye: Floats | None
     ends: Floats
     others: Floats
+    ground: float | None
 
 
 def near_rays(
@@ -121,11 +124,13 @@ def _view(each: Observation, T: Floats, options: FitOptions) -> View:
 
     eye = None if each.sensor is None else placed(each.sensor[None])[0]
     others = placed(each.others)
-    xyz = placed(each.xyz)
-    xyz = without_strays(xyz, eye, options)
+    xyz = without_strays(placed(each.xyz), eye, options)
+    ground = ground_height(xyz, others, options)
+    if eye is not None and ground is not None and eye[2] < ground + options.lowest_sensor:
+        eye[2] = ground + options.roof  # the origin of a vehicle, on the ground
     ends = np.concatenate([xyz, others])
     step = -(-len(ends) // options.most_rays) if len(ends) else 1
-    return View(each.frame, each.time, T, xyz, eye, ends[::step], others)
+    return View(each.frame, each.time, T, xyz, eye, ends[::step], others, ground)
 
 
 def without_strays(xyz: Floats, eye: Floats | None, options: FitOptions) -> Floats:
