@@ -8,13 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.fitting.observation import View
+from pointbrush.fitting.observation import Surface, View, surface_of
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.parked import (
     Level,
     best_sides,
     confidence_of,
-    rays_of,
     shell,
     world_centre,
 )
@@ -24,50 +23,48 @@ from pointbrush.fitting.trajectory import smooth_angles, smooth_path, speeds
 from pointbrush.fitting.yaw import outline_yaw, wrapped
 
 Floats = NDArray[np.float64]
-AXLE = 0.28
-"""Distance of the fixed axle behind the middle, as a share of a vehicle's length."""
-SLOW = 1.0
-"""Metres per second below which a vehicle's path hardly constrains its yaw."""
-OUTLINE_WITHIN = np.radians(12.0)
-"""Maximum angle, in radians, between the direction of the path and the outline's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
     """Initial estimate from single frames.
 
-    ``sides``: sides of each frame; sizes (k, 3) and ``priors`` chosen there; path (k, 2) of the
-    centres, the ground (k,) below them, and whether the object ``moves``.
+    ``surfaces`` and ``sides`` of each frame; sizes (k, 3) and ``priors`` chosen there; path (k, 2)
+    of the centres; ``times`` (k,) in seconds; whether the object ``moves``.
     """
 
+    surfaces: list[Surface]
     sides: list[Sides]
     sizes: Floats
     priors: list[SizePrior]
     path: Floats
-    ground: list[float | None]
+    times: Floats
     moves: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Path (k, 2) of an object's centre in metres, and yaws (k,) in radians, at times (k,)."""
+
+    path: Floats
+    yaws: Floats
+    times: Floats
 
 
 def start_of(
     views: list[View], posed: bool, priors: Sequence[SizePrior], options: FitOptions
 ) -> Start:
     """Fit each frame separately, and decide whether the object moves."""
-    sides, sizes, chosen, centres, ground = [], [], [], [], []
-    for view in views:
-        eyes, ends = rays_of([view])
-        found, size, prior = best_sides(view.xyz, eyes, ends, view.ground, priors, options)
-        sides.append(found)
-        sizes.append(size)
-        chosen.append(prior)
-        centres.append(world_centre(found, size, options))
-        ground.append(view.ground)
+    surfaces = [surface_of([view], options) for view in views]
+    found = [best_sides(surface, priors, options) for surface in surfaces]
+    sides, sizes, chosen = (list(each) for each in zip(*found, strict=True))
+    places = np.array([world_centre(each, size, options)[:2] for each, size, _ in found])
     times = np.array([view.time for view in views])
-    places = np.array(centres)[:, :2]
-    noise = np.full((len(views), 2), 0.3)
+    noise = np.full((len(views), 2), options.start_noise)
     yaws = np.array([each.yaw for each in sides])
     path = smooth_path(places, noise, yaws, times, options.acceleration)
     moves = posed and _moves(views, path, options)
-    return Start(sides, np.array(sizes), chosen, path, ground, moves)
+    return Start(surfaces, sides, np.array(sizes), chosen, path, times, moves)
 
 
 def _moves(views: list[View], path: Floats, options: FitOptions) -> bool:
@@ -86,32 +83,28 @@ def _filled(parts: list[Floats], options: FitOptions) -> int:
     return len(np.unique(cells[:, 0] * 1_000_003 + cells[:, 1]))
 
 
-def fit_moving(
-    views: list[View], start: Start, priors: Sequence[SizePrior], options: FitOptions
-) -> Level:
+def fit_moving(start: Start, priors: Sequence[SizePrior], options: FitOptions) -> Level:
     """Fit a common size and a pose for each frame."""
-    times = np.array([view.time for view in views])
     prior = _class(start, priors)
     size = np.median(start.sizes, axis=0)
-    path, sides = start.path, start.sides
-    yaws = np.array([each.yaw for each in sides])
+    motion = Motion(start.path, np.array([each.yaw for each in start.sides]), start.times)
     for _ in range(options.rounds):
-        yaws = _directions(views, start, path, yaws, times, prior, size, options)
+        yaws = _directions(start, motion, prior, size, options)
         sides = [
-            _sides(view, float(yaw), ground, prior, options)
-            for view, yaw, ground in zip(views, yaws, start.ground, strict=True)
+            find_sides(surface, float(yaw), prior, options)
+            for surface, yaw in zip(start.surfaces, yaws, strict=True)
         ]
         size, _ = likely_size(sides, prior, options)
         places = np.array([world_centre(each, size, options)[:2] for each in sides])
         slack = np.array([each.slack(size)[:2] for each in sides])
         noise = options.side_noise + slack / 2
-        path = smooth_path(places, noise, yaws, times, options.acceleration)
+        path = smooth_path(places, noise, yaws, start.times, options.acceleration)
+        motion = Motion(path, yaws, start.times)
     heights = np.array([each.low[2] for each in sides]) + size[2] / 2
-    centres = np.column_stack([path, heights])
-    sure = np.array(
-        [confidence_of(each, size, len(v.xyz)) for each, v in zip(sides, views, strict=True)]
-    )
-    return Level(size, centres, np.asarray(wrapped(yaws)), sure, prior)
+    centres = np.column_stack([motion.path, heights])
+    counts = [len(surface.xyz) for surface in start.surfaces]
+    sure = [confidence_of(each, size, n) for each, n in zip(sides, counts, strict=True)]
+    return Level(size, centres, np.asarray(wrapped(motion.yaws)), np.array(sure), prior)
 
 
 def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:
@@ -120,56 +113,55 @@ def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:
     return priors[int(np.argmax(counts))]
 
 
-def _sides(
-    view: View, yaw: float, ground: float | None, prior: SizePrior, options: FitOptions
-) -> Sides:
-    eyes, ends = rays_of([view])
-    return find_sides(view.xyz, eyes, ends, yaw, ground, prior, options)
-
-
 def _directions(
-    views: list[View], start: Start, path: Floats, yaws: Floats, times: Floats, prior: SizePrior,
-    size: Floats, options: FitOptions,
-) -> Floats:  # fmt: skip
+    start: Start, motion: Motion, prior: SizePrior, size: Floats, options: FitOptions
+) -> Floats:
     """Return the yaw (k,) in each frame, by the path while it moves, and by outlines."""
-    velocity = speeds(path, times)
+    times = motion.times
+    velocity = speeds(motion.path, times)
     speed = np.linalg.norm(velocity, axis=1)
-    if not start.moves or (speed < (options.walking if prior.person else SLOW)).all():
-        return _by_outlines(views, yaws, times, options)
+    slow = speed < (options.walking if prior.person else options.driving)
+    if not start.moves or slow.all():
+        return _by_outlines(start, motion, options)
     along = np.arctan2(velocity[:, 1], velocity[:, 0])
-    slow = speed < (options.walking if prior.person else SLOW)
     if slow.any():  # keeps the direction of the nearest frame in which it moves
         moving = np.flatnonzero(~slow)
         along = along[moving[np.abs(np.arange(len(along))[:, None] - moving).argmin(axis=1)]]
     if prior.person:
-        return smooth_angles(
-            along, np.full(len(along), 0.3), times, np.radians(options.person_swerve)
-        )
+        noise = np.full(len(along), np.radians(options.person_noise))
+        return smooth_angles(along, noise, times, np.radians(options.person_swerve))
     turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
-    slip = np.arctan(np.clip(AXLE * size[0] * turning / np.maximum(speed, SLOW), -0.5, 0.5))
-    guess = along - slip
+    steer = options.axle * size[0] * turning / np.maximum(speed, options.driving)
+    guess = along - np.arctan(np.clip(steer, -options.steer_most, options.steer_most))
     # A slow or turning path is less reliable.
     far = np.clip(speed * min(options.path_seconds, float(times[-1] - times[0])), 0.1, None)
     path_noise = options.path_noise / far + np.abs(turning) * options.path_lag
-    path_noise = np.clip(path_noise, np.radians(1), np.radians(25))
-    found, noise = np.empty(len(views)), np.empty(len(views))
-    for k, view in enumerate(views):
-        part = shell(view.xyz, start.ground[k], options)
-        within = max(float(OUTLINE_WITHIN), 1.5 * float(path_noise[k]))
-        outline = outline_yaw(part, float(guess[k]), within, options)
-        ratio = np.clip(np.sqrt(options.lshape_points / len(part)), 1 / 3, 3)
-        weak = np.radians(options.lshape_noise) * ratio
-        a, b = 1 / path_noise[k] ** 2, 1 / weak**2
-        found[k] = guess[k] + float(wrapped(outline - guess[k], np.pi / 2)) * b / (a + b)
-        noise[k] = 1 / np.sqrt(a + b)
+    path_noise = np.clip(path_noise, *np.radians(options.path_angles))
+    found, noise = np.empty(len(along)), np.empty(len(along))
+    for k, surface in enumerate(start.surfaces):
+        found[k], noise[k] = _between(surface, float(guess[k]), float(path_noise[k]), options)
     return smooth_angles(found, noise, times, np.radians(options.swerve))
 
 
-def _by_outlines(views: list[View], yaws: Floats, times: Floats, options: FitOptions) -> Floats:
+def _between(
+    surface: Surface, guess: float, path_noise: float, options: FitOptions
+) -> tuple[float, float]:
+    """Return a yaw between the path's and the outline's, and its standard deviation, in radians."""
+    part = shell(surface, options)
+    within = max(float(np.radians(options.outline_within)), 1.5 * path_noise)
+    outline = outline_yaw(part, guess, within, options)
+    ratio = np.clip(np.sqrt(options.lshape_points / len(part)), 1 / 3, 3)
+    weak = np.radians(options.lshape_noise) * ratio
+    a, b = 1 / path_noise**2, 1 / weak**2
+    yaw = guess + float(wrapped(outline - guess, np.pi / 2)) * b / (a + b)
+    return yaw, float(1 / np.sqrt(a + b))
+
+
+def _by_outlines(start: Start, motion: Motion, options: FitOptions) -> Floats:
     """Return yaws by outlines alone, with a consistent forward direction over frames."""
-    agreed = yaws.copy()
+    agreed = motion.yaws.copy()
     for k in range(1, len(agreed)):  # the nearest of the two opposite directions
-        agreed[k] = agreed[k - 1] + float(wrapped(yaws[k] - agreed[k - 1], np.pi))
-    weight = np.array([len(view.xyz) for view in views], float)
+        agreed[k] = agreed[k - 1] + float(wrapped(motion.yaws[k] - agreed[k - 1], np.pi))
+    weight = np.array([len(surface.xyz) for surface in start.surfaces], float)
     noise = np.radians(options.lshape_noise) * np.sqrt(weight.max() / weight)
-    return smooth_angles(agreed, noise, times, np.radians(options.swerve) * 2)
+    return smooth_angles(agreed, noise, motion.times, np.radians(options.swerve) * 2)

@@ -61,6 +61,32 @@ class View:
     ground: float | None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """The visible surface of an object in one or more frames, in level coordinates.
+
+    ``xyz`` (n, 3): its points; ``eyes`` and ``ends`` (m, 3): rays, if the sensor is known;
+    ``ground``: height of the ground below it, in metres, or None.
+    """
+
+    xyz: Floats
+    eyes: Floats
+    ends: Floats
+    ground: float | None
+
+
+def surface_of(views: Sequence[View], options: FitOptions) -> Surface:
+    """Return the common surface of views."""
+    eyes = [np.broadcast_to(v.eye, v.ends.shape) for v in views if v.eye is not None]
+    ends = [v.ends for v in views if v.eye is not None]
+    xyz, ground = views[0].xyz, views[0].ground
+    if len(views) > 1:
+        xyz = np.concatenate([view.xyz for view in views])
+        ground = ground_height(xyz, np.concatenate([view.others for view in views]), options)
+    rays = (np.concatenate(eyes), np.concatenate(ends)) if ends else (NO_POINTS, NO_POINTS)
+    return Surface(xyz, *rays, ground)
+
+
 def near_rays(
     xyz: Floats, others: NDArray[np.floating], sensor: Floats | None, up: Floats, reach: float
 ) -> Floats:

@@ -79,6 +79,8 @@ class FitOptions:
     """Metres; width of these cells."""
     headed: float = 1.0
     """Minimum motion of an object, in metres, for a known front."""
+    start_noise: float = 0.3
+    """Metres; standard deviation of a position that is found in a single frame."""
     acceleration: float = 4.0
     """Metres per second squared; standard deviation of a path's acceleration."""
     side_noise: float = 0.06
@@ -94,10 +96,22 @@ class FitOptions:
     path_noise: float = 0.18
     """Metres; standard deviation, across, of the path in that time: its positions shift with the
     visible sides."""
+    path_angles: tuple[float, float] = (1.0, 25.0)
+    """Degrees; least and greatest standard deviation of the direction of a path."""
+    driving: float = 1.0
+    """Metres per second below which a vehicle's path hardly constrains its yaw."""
+    outline_within: float = 12.0
+    """Maximum angle, in degrees, between the direction of the path and the outline's."""
+    axle: float = 0.28
+    """Distance of the fixed axle behind the middle, as a share of a vehicle's length."""
+    steer_most: float = 0.5
+    """Maximum tangent of the angle between a vehicle's axis and the path of its middle."""
     swerve: float = 80.0
     """Degrees per second squared; standard deviation of the change of a vehicle's yaw rate."""
     person_swerve: float = 1000.0
     """The same of a pedestrian."""
+    person_noise: float = 17.0
+    """Degrees; standard deviation of the direction of a pedestrian's path."""
     walking: float = 0.3
     """Metres per second from which a person faces the direction of motion."""
     rounds: int = 3
@@ -111,3 +125,5 @@ class FitOptions:
                 raise BadInputError(f"{each.name}: expected above 0, got {value}")
         if not self.band[0] < self.band[1] <= 1:
             raise BadInputError(f"band: expected two ascending shares, got {self.band}")
+        if not self.path_angles[0] < self.path_angles[1]:
+            raise BadInputError(f"path_angles: expected two ascending, got {self.path_angles}")

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.fitting.observation import View
+from pointbrush.fitting.observation import Surface, View, surface_of
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.priors import SizePrior
-from pointbrush.fitting.rays import ground_height
 from pointbrush.fitting.sides import Sides, find_sides, likely_size
 from pointbrush.fitting.yaw import outline_yaws, turn
 
@@ -32,37 +31,25 @@ class Level:
     prior: SizePrior
 
 
-def rays_of(views: Sequence[View]) -> tuple[Floats, Floats]:
-    """Return the rays of all views: eyes (m, 3) and ends (m, 3)."""
-    eyes = [np.broadcast_to(v.eye, v.ends.shape) for v in views if v.eye is not None]
-    ends = [v.ends for v in views if v.eye is not None]
-    if not ends:
-        return np.zeros((0, 3)), np.zeros((0, 3))
-    return np.concatenate(eyes), np.concatenate(ends)
-
-
 def fit_still(views: Sequence[View], priors: Sequence[SizePrior], options: FitOptions) -> Level:
     """Fit one box to all frames."""
-    xyz = np.concatenate([view.xyz for view in views])
-    ground = ground_height(xyz, np.concatenate([view.others for view in views]), options)
-    eyes, ends = rays_of(views)
-    sides, size, prior = best_sides(xyz, eyes, ends, ground, priors, options)
+    surface = surface_of(views, options)
+    sides, size, prior = best_sides(surface, priors, options)
     centre = world_centre(sides, size, options)
     k = len(views)
-    sure = np.full(k, confidence_of(sides, size, len(xyz)))
+    sure = np.full(k, confidence_of(sides, size, len(surface.xyz)))
     return Level(size, np.tile(centre, (k, 1)), np.full(k, sides.yaw), sure, prior)
 
 
 def best_sides(
-    xyz: Floats, eyes: Floats, ends: Floats, ground: float | None, priors: Sequence[SizePrior],
-    options: FitOptions,
-) -> tuple[Sides, Floats, SizePrior]:  # fmt: skip
+    surface: Surface, priors: Sequence[SizePrior], options: FitOptions
+) -> tuple[Sides, Floats, SizePrior]:
     """Return sides, size and class for the best yaw and class by the likelihood of sizes."""
     best = None
-    for outline, close in outline_yaws(shell(xyz, ground, options), options):
+    for outline, close in outline_yaws(shell(surface, options), options):
         for prior in priors:
             for yaw in (outline, outline + np.pi / 2):
-                sides = find_sides(xyz, eyes, ends, yaw, ground, prior, options)
+                sides = find_sides(surface, yaw, prior, options)
                 size, cost = likely_size([sides], prior, options)
                 cost -= options.yaw_nats * close
                 if best is None or cost < best[0]:
@@ -71,9 +58,10 @@ def best_sides(
     return best[1:]
 
 
-def shell(xyz: Floats, ground: float | None, options: FitOptions) -> Floats:
+def shell(surface: Surface, options: FitOptions) -> Floats:
     """Return the points for the box's outline: above the ground and below the windows."""
-    low = float(xyz[:, 2].min()) if ground is None else ground
+    xyz = surface.xyz
+    low = float(xyz[:, 2].min()) if surface.ground is None else surface.ground
     high = float(np.quantile(xyz[:, 2], 0.98))
     part = xyz[
         (xyz[:, 2] > low + options.clearance) & (xyz[:, 2] < low + max(0.65 * (high - low), 0.6))

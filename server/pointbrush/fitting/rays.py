@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,20 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 BEFORE_END = 0.06
 """Metres before a ray's end in which it does not count as passing."""
+
+
+class Steps(NamedTuple):
+    """Steps of space beyond a side of a box.
+
+    They go along ``sign`` (1 or -1) times ``axis`` (0 to 2) from ``start``, in metres; ``size``:
+    metres of a step; ``number``: of steps.
+    """
+
+    axis: int
+    sign: float
+    start: float
+    size: float
+    number: int
 
 
 @innermost
@@ -37,27 +53,25 @@ def within(eye: Floats, end: Floats, axis: int, low: Floats, high: Floats) -> tu
 
 
 @compiled
-def count_passing(
-    eyes: Floats, ends: Floats, axis: int, sign: float, start: float, step: float, count: int,
-    low: Floats, high: Floats,
-) -> Ints:  # fmt: skip
-    """Count the rays ``eyes`` → ``ends`` (N, 3) through each of ``count`` steps of space.
+def count_passing(eyes: Floats, ends: Floats, steps: Steps, low: Floats, high: Floats) -> Ints:
+    """Count the rays ``eyes`` → ``ends`` (N, 3) through each of the ``steps``.
 
-    Steps go from ``start`` along ``sign`` times ``axis``; ``low`` and ``high`` (3,) bound the other
-    axes.
+    ``low`` and ``high`` (3,) bound the other axes.
     """
-    passing = np.zeros(count, np.int64)
+    passing = np.zeros(steps.number, np.int64)
     for ray in range(len(ends)):
-        first, last = within(eyes[ray], ends[ray], axis, low, high)
+        first, last = within(eyes[ray], ends[ray], steps.axis, low, high)
         if last <= first:
             continue
-        way = ends[ray, axis] - eyes[ray, axis]
-        a0 = sign * (eyes[ray, axis] + first * way - start)
-        a1 = sign * (eyes[ray, axis] + last * way - start)
+        way = ends[ray, steps.axis] - eyes[ray, steps.axis]
+        a0 = steps.sign * (eyes[ray, steps.axis] + first * way - steps.start)
+        a1 = steps.sign * (eyes[ray, steps.axis] + last * way - steps.start)
         near, far = min(a0, a1), max(a0, a1)
-        if far < 0 or near > step * count:
+        if far < 0 or near > steps.size * steps.number:
             continue
-        for k in range(max(0, int(near / step)), min(count - 1, int(far / step)) + 1):
+        for k in range(
+            max(0, int(near / steps.size)), min(steps.number - 1, int(far / steps.size)) + 1
+        ):
             passing[k] += 1
     return passing
 

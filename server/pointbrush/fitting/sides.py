@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.fitting.observation import Surface
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.priors import SizePrior
-from pointbrush.fitting.rays import count_passing
+from pointbrush.fitting.rays import Steps, count_passing
 from pointbrush.fitting.yaw import upright
 
 Floats = NDArray[np.float64]
@@ -119,43 +120,60 @@ def edge(values: Floats, facing: bool, options: FitOptions) -> float:
     return float(np.quantile(values[values > top - options.edge_depth], options.edge_quantile))
 
 
-def find_sides(
-    xyz: Floats, eyes: Floats, ends: Floats, yaw: float, ground: float | None, prior: SizePrior,
-    options: FitOptions,
-) -> Sides:  # fmt: skip
-    """Return the sides of points (n, 3) for a ``yaw``.
+@dataclass(frozen=True, slots=True, eq=False)
+class _Space:
+    """Space around an object for passing rays, in coordinates rotated by the yaw of its box.
 
-    ``eyes`` and ``ends`` (m, 3) are rays; without rays, sides are at the ends of the points.
+    ``eyes`` and ``ends`` (m, 3): rays; ``low`` and ``high`` (3,): the object with its usual size;
+    ``floor``: height of the ground, in metres; ``height``: usual height of the class, in metres.
+    """
+
+    eyes: Floats
+    ends: Floats
+    low: Floats
+    high: Floats
+    floor: float
+    height: float
+
+    def beside(self, share: float, options: FitOptions) -> tuple[Floats, Floats]:
+        """Return the bounds (3,), (3,) of the middle ``share`` of the sides, up to the windows."""
+        middle, half = (self.low + self.high) / 2, (self.high - self.low) / 2 * share
+        low, high = middle - half, middle + half
+        low[2], high[2] = (self.floor + part * self.height for part in options.band)
+        return low, high
+
+
+def find_sides(surface: Surface, yaw: float, prior: SizePrior, options: FitOptions) -> Sides:
+    """Return the sides of a surface for a ``yaw``.
+
+    Without rays, sides are at the ends of the points.
     """
     R = upright(yaw)
-    points = xyz @ R
+    points, eyes, ends = surface.xyz @ R, surface.eyes @ R, surface.ends @ R
     mean, spread = np.array(prior.mean), np.array(prior.spread)
-    floor = float(points[:, 2].min()) if ground is None else min(ground, points[:, 2].min() + 0.1)
-    body = points[points[:, 2] > floor + options.clearance]
-    body = body if len(body) >= options.least_points else points
+    lowest = float(points[:, 2].min())
+    floor = lowest if surface.ground is None else min(surface.ground, lowest + 0.1)
     toward = np.zeros(3)
     if len(ends) and not prior.person:
-        toward = (eyes @ R).mean(axis=0) - np.median(points, axis=0)
+        toward = eyes.mean(axis=0) - np.median(points, axis=0)
         toward[:2] /= max(float(np.linalg.norm(toward[:2])), 1e-9)
         toward[2] = 0
+    body = points[points[:, 2] > floor + options.clearance]
+    body = body if len(body) >= options.least_points else points
     low = np.array([-edge(-body[:, a], toward[a] < -FACING, options) for a in range(3)])
     high = np.array([edge(body[:, a], toward[a] > FACING, options) for a in range(3)])
     if prior.person:
         low, high = low - options.person_margin, high + options.person_margin
     low[2] = floor
-    reach = np.maximum(mean + OPEN * spread - (high - low), 0)
-    counts = np.ceil(reach / options.bin_size).astype(int) + 1
-    from_, to = eyes @ R, ends @ R
-    wide = _grown(low, high, from_.mean(axis=0) if len(ends) else None, mean)
+    wide = _grown(low, high, eyes.mean(axis=0) if len(ends) else None, mean)
+    space = _Space(eyes, ends, *wide, floor, float(mean[2]))
     costs, shares = [], []
-    for axis in range(3):
-        below, above = (
-            _into_free(from_, to, axis, sign, low if sign < 0 else high, int(counts[axis]), *wide,
-                       floor, float(mean[2]), options)
-            for sign in (-1.0, 1.0)
-        )  # fmt: skip
+    for axis, reach in enumerate(np.maximum(mean + OPEN * spread - (high - low), 0)):
+        count = int(np.ceil(reach / options.bin_size)) + 1
+        below = _into_free(space, axis, -1.0, float(low[axis]), count, options)
+        above = _into_free(space, axis, 1.0, float(high[axis]), count, options)
         if axis == 2:  # the bottom is on the ground
-            below = np.where(np.arange(counts[2]) > 0, CERTAIN, 0.0)
+            below = np.where(np.arange(count) > 0, CERTAIN, 0.0)
         cost, share = grown(below, above)
         costs.append(cost)
         shares.append(share)
@@ -163,22 +181,19 @@ def find_sides(
 
 
 def _into_free(
-    eyes: Floats, ends: Floats, axis: int, sign: float, side: Floats, count: int, low: Floats,
-    high: Floats, floor: float, height: float, options: FitOptions,
-) -> Floats:  # fmt: skip
+    space: _Space, axis: int, sign: float, side: float, count: int, options: FitOptions
+) -> Floats:
     """Return the costs (count,), in nats, of growing beyond a side by 0, 1, … bins.
 
     They count passing rays through the middle of the growth and near its corners.
     """
     cost = np.zeros(count)
-    if not len(ends) or count < 2:
+    if not len(space.ends) or count < 2:
         return cost
     rounded = round(options.corner / options.bin_size)
     for inner, shift in ((options.inner, 0), (options.outer, rounded)):
-        a, b = _window(low, high, floor, height, inner, options)
-        passing = count_passing(
-            eyes, ends, axis, sign, float(side[axis]), options.bin_size, count - 1, a, b
-        )
+        steps = Steps(axis, sign, side, options.bin_size, count - 1)
+        passing = count_passing(space.eyes, space.ends, steps, *space.beside(inner, options))
         rays = np.clip(passing - options.rays_spare, 0, options.rays_most)
         rays = np.maximum.accumulate(rays)
         nats = options.ray_cost * rays[: max(count - 1 - shift, 0)]
@@ -200,13 +215,3 @@ def _grown(low: Floats, high: Floats, eye: Floats | None, mean: Floats) -> tuple
             higher[axis] += more / 2
     higher[2] = max(high[2], low[2] + 0.8 * mean[2])
     return lower, higher
-
-
-def _window(
-    low: Floats, high: Floats, floor: float, height: float, inner: float, options: FitOptions
-) -> tuple[Floats, Floats]:
-    """Return bounds (3,), (3,) of the space beside sides for passing rays."""
-    middle, half = (low + high) / 2, (high - low) / 2 * inner
-    a, b = middle - half, middle + half
-    a[2], b[2] = floor + options.band[0] * height, floor + options.band[1] * height
-    return a, b
