@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,14 +57,28 @@ def start_of(
     """Fit each frame separately, and decide whether the object moves."""
     surfaces = [surface_of([view], options) for view in views]
     found = [best_sides(surface, priors, options) for surface in surfaces]
-    sides, sizes, chosen = (list(each) for each in zip(*found, strict=True))
-    places = np.array([world_centre(each, size, options)[:2] for each, size, _ in found])
+    chosen = [prior for _, _, prior in found]
+    size = np.median([each for _, each, _ in found], axis=0)
+    if len(found) >= options.agreeing:
+        found = [
+            best_sides(surface, [_of_size(prior, size, options)], options)
+            for surface, prior in zip(surfaces, chosen, strict=True)
+        ]
+    sides, sizes = [each for each, _, _ in found], np.array([each for _, each, _ in found])
+    places = np.array([world_centre(*each, options)[:2] for each in zip(sides, sizes, strict=True)])
     times = np.array([view.time for view in views])
     noise = np.full((len(views), 2), options.start_noise)
     yaws = np.array([each.yaw for each in sides])
     path = smooth_path(places, noise, yaws, times, options.acceleration)
     moves = posed and _moves(views, path, options)
-    return Start(surfaces, sides, np.array(sizes), chosen, path, times, moves)
+    return Start(surfaces, sides, sizes, chosen, path, times, moves)
+
+
+def _of_size(prior: SizePrior, size: Floats, options: FitOptions) -> SizePrior:
+    """Return a prior of the common size (3,) of several frames."""
+    length, width, height = size
+    a, b, c = np.maximum(options.size_noise * size, options.size_least)
+    return replace(prior, mean=(length, width, height), spread=(a, b, c))
 
 
 def _moves(views: list[View], path: Floats, options: FitOptions) -> bool:

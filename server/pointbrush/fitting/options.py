@@ -57,6 +57,10 @@ class FitOptions:
     """Metres; width of the cells for the lowest points, on the ground."""
     ground_reach: float = 4.0
     """Metres around an object for the search of its ground."""
+    ground_slope: float = 0.03
+    """Standard deviation of the slope of the ground, as a share …"""
+    ground_noise: float = 0.05
+    """… and, in metres, of the lowest points of its cells."""
     yaw_step: float = 1.0
     """Degrees between the first candidate yaws."""
     yaw_fine: float = 0.1
@@ -79,6 +83,12 @@ class FitOptions:
     """Metres; width of these cells."""
     headed: float = 1.0
     """Minimum motion of an object, in metres, for a known front."""
+    agreeing: int = 3
+    """Minimum number of frames whose common size decides on the yaw in each of them."""
+    size_noise: float = 0.06
+    """Standard deviation, as a share, of the common size of single frames …"""
+    size_least: float = 0.1
+    """… and its minimum in metres."""
     start_noise: float = 0.3
     """Metres; standard deviation of a position that is found in a single frame."""
     acceleration: float = 4.0

@@ -92,8 +92,8 @@ def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | N
     if len(points) < 5:
         return None
     cell = np.floor(points[:, :2] / options.ground_cell).astype(np.int64)
-    _, group = np.unique(cell, axis=0, return_inverse=True)
-    lowest = np.full(group.max() + 1, np.inf)
+    cells, group = np.unique(cell, axis=0, return_inverse=True)
+    lowest = np.full(len(cells), np.inf)
     np.minimum.at(lowest, group.ravel(), points[:, 2])
     if len(lowest) < 3:
         return None
@@ -101,5 +101,16 @@ def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | N
     levels = np.arange(lowest.min(), lowest.max() + 0.1, 0.05)
     shares = (np.abs(lowest[:, None] - levels) < 0.1).sum(axis=0)
     level = levels[int(np.argmax(shares >= 0.5 * shares.max()))]
-    on = lowest[np.abs(lowest - level) < 0.15]
-    return float(np.median(on)) if len(on) else None
+    on = np.abs(lowest - level) < 0.15
+    if not on.any():
+        return None
+    away = (cells[on] + 0.5) * options.ground_cell - (low[:2] + high[:2]) / 2
+    return _sloping(away, lowest[on], options)
+
+
+def _sloping(away: Floats, height: Floats, options: FitOptions) -> float:
+    """Return the height at the origin of a plane through points at ``away`` (n, 2)."""
+    middle = np.median(height)
+    A = np.column_stack([np.ones(len(away)), away])
+    ridge = np.diag([0.0, 1, 1]) * (options.ground_noise / options.ground_slope) ** 2
+    return float(middle + np.linalg.solve(A.T @ A + ridge, A.T @ (height - middle))[0])
