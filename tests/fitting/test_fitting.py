@@ -88,6 +88,24 @@ def test_a_car_that_is_passed_heads_to_its_bonnet(direction: int) -> None:
     assert heading(made)[0] * direction > 0.99
 
 
+@pytest.mark.parametrize("direction", [1, -1])
+def test_a_lorry_that_is_passed_heads_to_the_gap_behind_its_cab(direction: int) -> None:
+    scale = np.array([2.1, 1.4, 2.1])
+    for gap, known in ((0.4, True), (0.0, False)):
+        passed = []
+        for step in range(4):
+            car = seen("rfb", 0.0, (8.0 - step, 6.0), step)
+            along = (car.xyz[:, 0] - (8.0 - step)) * 2.1 * direction
+            lorry = (car.xyz - [8 - step, 6, 0]) * scale + [8 - step, 6.5, 0]
+            pose = np.eye(4)
+            pose[0, 3] = step
+            closed = np.abs(along - 2.4) >= gap / 2
+            passed.append(replace(car, xyz=lorry[closed], T_world_frame=pose))
+        made = fit_box(passed, priors_of("truck"))
+        assert (made.moves, made.front_known) == (False, known)
+        assert not known or heading(made)[0] * direction > 0.99
+
+
 def test_the_front_is_unknown_without_motion_or_shape() -> None:
     assert not fit_box(list(passing(1, 0.0)), priors_of("car")).front_known
     unposed = [replace(each, T_world_frame=None) for each in passing(1, 1.0)]

@@ -1,7 +1,8 @@
 """Front of a static vehicle, by its shape.
 
 The windscreen of a car is farther from the end of the body than the rear window.  This gap is
-measured at both ends and several heights.  The cab of a lorry is lower than its load.
+measured at both ends and several heights.  The cab of a lorry is lower than its load, or there is
+a gap between them.
 """
 
 from __future__ import annotations
@@ -51,6 +52,14 @@ LOAD_HEIGHT = 2.6
 """Metres: least height of a load."""
 FLAT_HEIGHT = 1.5
 """Metres; a lower end is a flat bed."""
+SIDE = (0.4, 0.75)
+"""Range of shares of the height in which the sides of a cab and of a load are closed."""
+CAB_GAP = 0.1
+"""Metres: minimum gap between a cab and its load …"""
+CAB_GAP_RATIO = 2.0
+"""… and its minimum ratio to the next gap: the windows of a bus are several gaps."""
+CAB_AWAY = (1.0, 3.2)
+"""Range of distances of this gap from the front, in metres."""
 PASSED = 1.0
 """Minimum motion of the sensor, in metres, to know the front of a static object."""
 PASSED_POINTS = 60
@@ -71,8 +80,9 @@ def front_of(xyz: Floats, size: Floats) -> Front:
     if len(body) < LEAST_POINTS:
         return Front(1, False)
     if size[0] > LARGE_LENGTH or size[2] > LARGE_HEIGHT:
-        lower = _lower_end(along, xyz[:, 2] + size[2] / 2, _ends(body))
-        return Front(-1 if lower < 0 else 1, lower != 0)
+        cab = _lower_end(along, xyz[:, 2] + size[2] / 2, _ends(body))
+        cab = cab or _gap_end(along[(height > SIDE[0]) & (height < SIDE[1])], _ends(body))
+        return Front(-1 if cab < 0 else 1, cab != 0)
     found: list[float] = []
     for number, (low, high) in enumerate(SLICES):
         cabin = along[(height > low) & (height <= high)]
@@ -122,6 +132,24 @@ def _lower_end(along: Floats, height: Floats, body: tuple[float, float]) -> int:
         return 0
     lower = 1 if ahead < behind else -1
     return lower if min(behind, ahead) > FLAT_HEIGHT else -lower
+
+
+def _gap_end(side: Floats, body: tuple[float, float]) -> int:
+    """Return the end of a lorry with the cab, by the gap behind it: 1 ahead, -1 behind, 0 unknown.
+
+    ``side`` (n,): positions of points of the sides along the lorry.
+    """
+    if len(side) < LEAST_POINTS:
+        return 0
+    ordered = np.sort(side)
+    gaps = np.diff(ordered)
+    second, k = np.sort(gaps)[-2], int(gaps.argmax())
+    if gaps[k] < max(CAB_GAP, CAB_GAP_RATIO * float(second)):
+        return 0
+    behind, ahead = float(ordered[k]) - body[0], body[1] - float(ordered[k + 1])
+    if not CAB_AWAY[0] < min(behind, ahead) < CAB_AWAY[1] < max(behind, ahead):
+        return 0
+    return 1 if ahead < behind else -1
 
 
 def _ends(along: Floats) -> tuple[float, float]:
