@@ -5,6 +5,9 @@ other side.  Some seconds later a second one in similar clothes enters, or in a 
 recordings the first one comes back; a third one passes behind them, and some turn their backs.  The
 camera looks as the one of the crowd does.
 
+In recordings of the kind ``stepping-out`` the first person steps out of the picture for a moment,
+comes back at the same place and crosses, before the second one enters.
+
 Seeds 1 to 12 are for tuning; seeds from 101 on are for checks only.
 """
 
@@ -42,6 +45,10 @@ RETURNING = 1 / 3
 """Share of the recordings in which the first person comes back."""
 REACH_M = 0.7
 """Metres beside the border at which nothing of a person is seen."""
+OUT_M = (0.45, 0.8)
+"""Metres beside the border to which a person steps out."""
+OUT_SECONDS = (0.0, 0.4)
+"""Seconds for which they stay there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +88,7 @@ class Return:
 class EnteringScene(LivingRoom):
     """See ``recording.Scene``."""
 
-    def __init__(self, seed: int, seconds: float) -> None:
+    def __init__(self, seed: int, seconds: float, *, stepping: bool = False) -> None:
         rng = np.random.default_rng([seed, 41])
         super().__init__(seed, tripod(HEIGHT, PITCH))
         looks, ways = _looks(rng), _ways(rng)
@@ -89,7 +96,15 @@ class EnteringScene(LivingRoom):
             Walk(look, way, seconds, 1.0, rng)  # type: ignore[arg-type]
             for look, way in zip(looks, ways, strict=True)
         ]
-        if rng.random() < RETURNING:
+        if stepping:
+            out = _stepping_out(ways[0], rng)
+            after = ways[1].time - ways[0].seconds
+            later = replace(ways[1], time=out.back.time + out.back.seconds + after)
+            self._walks[:2] = [
+                Walk(look, way, seconds, 1.0, rng)  # type: ignore[arg-type]
+                for look, way in ((looks[0], out), (looks[1], later))
+            ]
+        elif rng.random() < RETURNING:
             again = Return(ways[0], ways[1])
             self._walks[0] = Walk(looks[0], again, seconds, 1.0, rng)  # type: ignore[arg-type]
             del self._walks[1]
@@ -158,6 +173,18 @@ def _ways(rng: np.random.Generator) -> Sequence[Passage]:
     return first, second, third
 
 
-def entering(seed: int, frames: int) -> Recording:
+def _stepping_out(way: Passage, rng: np.random.Generator) -> Return:
+    """Draw a way out of the picture, at the side where ``way`` starts, and back to its end."""
+    side, edge = np.sign(way.start[0]), BORDER_TAN * -way.start[1]
+    start, out = (
+        np.array([side * (edge + away), way.start[1]])
+        for away in (-rng.uniform(0.3, 0.7), rng.uniform(*OUT_M))
+    )
+    first = replace(way, start=start, end=out)
+    return Return(first, replace(way, start=out, time=first.seconds + rng.uniform(*OUT_SECONDS)))
+
+
+def entering(seed: int, frames: int, *, stepping: bool = False) -> Recording:
     """Prepare a recording of ``frames`` frames."""
-    return Recording("Entering", EnteringScene(seed, frames / RATE), frames, seed, RATE)
+    scene = EnteringScene(seed, frames / RATE, stepping=stepping)
+    return Recording("Entering", scene, frames, seed, RATE)

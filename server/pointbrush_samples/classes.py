@@ -10,9 +10,6 @@ from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
 from pointbrush.samples.aerial import CLASSES, aerial_tile
-from pointbrush.samples.geometry import rigid, vec
-from pointbrush.samples.sensor import spin
-from pointbrush_samples.driving import HEIGHT, LANE, LIDAR, START, DrivenStreet
 from pointbrush_samples.interior import Interior
 from pointbrush_samples.scanning import ScanOptions, scan_of
 

@@ -62,15 +62,21 @@ def test_who_stands_all_the_time_is_found_again_when_somebody_has_passed(colour:
     assert min(overlaps(frames, 2)[-3:]) > 0.85
 
 
-def test_a_newcomer_is_not_taken_for_a_person_who_left_without_colour_or_stature() -> None:
-    away = recording(11, {1: (-0.6, 2.4, -0.35), 2: (0.9, 3.0, 0.0)}, colour=False)
-    back = recording(5, {1: (-1.9, 2.5, 0.3), 2: (0.9, 3.0, 0.0)}, colour=False)
+@pytest.mark.parametrize(("frames_away", "same"), [(7, True), (11, False)])
+def test_without_colour_a_newcomer_is_a_person_who_left_only_a_moment_ago(
+    frames_away: int, same: bool
+) -> None:
+    away = recording(frames_away, {1: (-0.6, 2.4, -0.35), 2: (0.9, 3.0, 0.0)}, colour=False)
+    back = recording(8, {1: (-2.2, 2.5, 0.2), 2: (0.9, 3.0, 0.0)}, colour=False)
     assert min((f.truth == 1).sum() for f in away) == 0
     frames = [*away, *back]
-    assert overlaps(frames, 1)[-1] == 0
+    returned = np.array(overlaps(frames, 1)[frames_away + 2 :])
+    assert returned.min() > 0.85 if same else returned.max() == 0
     assert min(overlaps(frames, 2)) > 0.85
     *_, last = follow(frames)
-    assert last.tracks[1].state in ("occluded", "lost")
+    state = last.tracks[1]
+    assert state.state == "tracked" if same else state.state in ("occluded", "lost")
+    assert state.confidence < 0.5
 
 
 def test_somebody_painted_by_an_arm_at_the_edge_of_the_picture_is_more_than_that() -> None:

@@ -104,24 +104,34 @@ def test_scraps_are_not_where_somebody_was_well_seen() -> None:
     assert np.all(observation.owner[30:] == 1)
 
 
-@pytest.mark.parametrize(("tops", "back"), [([1.7, 1.71], False), ([1.7, 1.71, 1.69], True)])
-@pytest.mark.parametrize("tall", [1.7, 1.8])
-def test_a_newcomer_is_a_person_who_left_only_once_stature_tells(
-    tops: list[float], back: bool, tall: float
+@pytest.mark.parametrize(
+    ("fps", "entered", "tops", "back"),
+    [
+        (5.0, 0.0, [], False),
+        (15.0, 0.0, [], True),
+        (15.0, 1.5, [], False),
+        (15.0, 0.0, [1.8] * 3, False),
+        (5.0, 1.5, [1.7] * 3, True),
+        (5.0, 0.0, [1.8] * 3, False),
+    ],
+)
+def test_a_newcomer_is_a_person_who_left_if_time_place_and_stature_tell(
+    fps: float, entered: float, tops: list[float], back: bool
 ) -> None:
-    person, newcomer = somebody(1, 0.0, RED, well=4), somebody(-1, 0.3, RED, well=9)
-    person.at_side, person.frames_unseen, newcomer.since = True, 5, 8
-    person.identity.stature.tops, newcomer.identity.stature.tops = [tall] * 3, tops
+    person, newcomer = somebody(1, 0.0, RED, well=1), somebody(-1, 0.3, RED, well=9)
+    person.at_side, person.frames_unseen, newcomer.since = True, 12, 5 + 6
+    newcomer.went = np.array([0.3 - entered, 0.0, 0.0])
+    person.identity.stature.tops, newcomer.identity.stature.tops = [1.7] * 3, tops
     observation = staged(body(0.3, RED))
+    observation.fps = fps
     observation.owner[:] = -1
-    come_back(observation, [person, newcomer], 30, now=10)
-    returned = back and tall == 1.7
-    assert np.all(observation.owner == (1 if returned else -1))
-    if returned:
-        person.follow(observation, np.zeros(3), 10)
+    come_back(observation, [person, newcomer], 30, now=16)
+    assert np.all(observation.owner == (1 if back else -1))
+    if back:
+        person.follow(observation, np.zeros(3), 16)
         person.identity.confidence = 1.0
         state = outcome(observation, person, SURE).state
-        assert state.confidence <= OPTIONS.body.doubted_confidence
+        assert 0 < state.confidence < OPTIONS.body.doubted_confidence
 
 
 def test_of_two_who_are_missing_the_one_who_is_as_tall_has_come_back() -> None:

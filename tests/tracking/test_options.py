@@ -23,7 +23,7 @@ DEFINITIONS = {
     "steps/propose.py": {"OPPOSITE", "ALONG"},  # rounding of directions
     "compute/columns.py": {"PER_COLUMN"},  # layout of a search grid
     "compute/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR", "RUN"},  # likewise
-    "interface.py": {"PAINTED"},  # code of a provenance
+    "interface.py": {"PAINTED", "USUAL_FPS"},  # code of a provenance
     "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
     "model/confidence.py": {
         "RATIO_LEAST",

@@ -16,6 +16,7 @@ from staged_people import (
     staged,
 )
 
+from pointbrush.tracking import TrackOptions
 from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.people.group import Group, JointTracking
@@ -59,7 +60,7 @@ def test_what_somebody_carries_goes_along_with_them_while_it_is_hidden(
         label=1, unit=0.01, confidence=confidence, away=True, carrier=None, size=9.0,
         motion=Motion(OPTIONS.search, np.median(bearer.xyz, axis=0)),
     )  # fmt: skip
-    tracking = JointTracking(cast(dict[int, Track], {1: bag}), OPTIONS, continue_lost=False)
+    tracking = JointTracking(cast(dict[int, Track], {1: bag}), OPTIONS, TrackOptions())
     tracking.group = Group(OPTIONS, [bearer], 0.1, 0.01, np.eye(3)[:, [0, 2]], UP, 30.0)
     own, theirs = np.split(np.arange(len(view.xyz)), 2)
     seen, hidden = (

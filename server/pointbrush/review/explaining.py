@@ -63,7 +63,7 @@ class Explaining:
         step = 1 if request.stop > request.start else -1
         order = range(request.start, request.stop + step, step)
         known = Knowledge(self.workspace.labels, recording)
-        options = TrackOptions(continue_lost=True)
+        options = TrackOptions(continue_lost=True, fps=recording.manifest.fps)
         try:
             if request.method == "auto":  # as in an ordinary run
                 options = replace(options, sensor=sensor_of(recording))

@@ -26,6 +26,8 @@ Overwrite = Literal["never", "tracked", "all"]
 
 PAINTED = 1
 """Provenance of a point that a person painted."""
+USUAL_FPS = 5.0
+"""Frames per second of a recording without a known rate."""
 
 
 class PixelLattice(Protocol):
@@ -172,6 +174,7 @@ class TrackOptions:
     ``painted``        the frames in which a person painted, None if unknown.
     ``read_ahead``     a method may prepare the next frame in a separate thread.
     ``sensor``         known properties of the recording's sensor, which a run need not estimate.
+    ``fps``            frames per second of the recording.
     """
 
     overwrite: Overwrite = "tracked"
@@ -182,6 +185,7 @@ class TrackOptions:
     painted: frozenset[int] | None = None
     read_ahead: bool = False
     sensor: KnownSensor = field(default_factory=KnownSensor)
+    fps: float = USUAL_FPS
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -112,7 +112,7 @@ class Run:
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
         """Labels not tracked in the last frame, as their points there were stored."""
-        self.people = JointTracking(self.tracks, self.options, continue_lost=asked.continue_lost)
+        self.people = JointTracking(self.tracks, self.options, asked)
         first = frames(order[0]).xyz
         rules = FrameRules(len(first), known(order[0]), asked)
         self.companions = Companions(seeds, rules, first, self._near)
@@ -169,7 +169,9 @@ class Run:
         """Yield the results of the following frames, smoothed with a fixed lag."""
         smoother = Smoother(self.asked, self.options.smoothing)
         for number in order:
-            yield from smoother.take(self.step(number), self.tracks, self.background)
+            new = self.step(number)
+            smoother.relabel(self.people.recognised())
+            yield from smoother.take(new, self.tracks, self.background, self.people.pending)
         yield from smoother.rest()
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:

@@ -156,9 +156,12 @@ class ArrivalOptions(Options):
     side_px: int = 8  # pixels from the left or right edge of the picture
     side_points: int = 5  # points within them from which a person may have left there
     return_tops: PositiveInt = 3  # measured tops of a newcomer from which they may be recognised
+    return_frames: PositiveInt = 5  # frames after which they may be without
     return_clothes_weight: float = 0.5  # weight of clothes, which light changes, against stature
-    return_log_per_frame: float = 0.05  # log odds lost per frame, as other people may enter
-    return_log_odds: float = 1.0  # log odds from which a newcomer is a person that left
+    return_seconds: PositiveFloat = 1.5  # seconds in which the odds of a return fall to 1/e
+    return_m: PositiveFloat = 0.7  # metres, a deviation, between the places of leaving and entering
+    return_soon_log: float = 4.0  # log odds of a return at once, at the same place
+    return_log_odds: float = 1.8  # log odds that a newcomer is another person otherwise
     recent_frames: int = 3  # frames within which a person has just come
     exchange_log: float = 0.5  # mean log ratio by which each must be more like the other's clothes
     exchange_frames: int = 3  # consecutive frames in which that is required

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.graph import parts
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
+from pointbrush.tracking.model.confidence import squashed
 from pointbrush.tracking.people.observation import PersonObservation
 from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.stature import beneath_heads, ratio, top_of
@@ -105,11 +106,13 @@ def come_back(
         given.add(number)
         cells, other, rest = offers[number]
         taken = _taken(observation, cells, other, young)
+        person = next(f for f in gone if f.label == label)
         if other is not None and not other.named:
             gone_on.add(other.label)
+            if person.at_side and person.frames_unseen:
+                _return_as(observation, person, other, cells, now)
         observation.owner[observation.owner == label] = 0
         observation.owner[taken] = label
-        person = next(f for f in gone if f.label == label)
         person.frames_unseen = max(person.frames_unseen, 1)
         if other is not None and rest is not None:
             person.doubt(other)
@@ -171,22 +174,39 @@ def _may_return(
     """
     if not (person.at_side and person.frames_unseen) or (other is not None and other.named):
         return True
-    return other is not None and _recognised(observation, person, other, cells, now)
-
-
-def _recognised(
-    observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
-) -> bool:
-    """Return whether, by log odds, a ``newcomer`` is a person that left the picture."""
-    options, tops = observation.options.arrivals, newcomer.identity.stature.tops
-    if len(tops) < options.return_tops:
+    if other is None:
         return False
-    odds = (
-        person.identity.stature.likelihood(float(np.median(tops)))
-        + options.return_clothes_weight * person.likeness(observation.some(cells))
-        - options.return_log_per_frame * (now - person.well)
-    )
-    return odds > options.return_log_odds
+    options = observation.options.arrivals
+    measured = len(other.identity.stature.tops) >= options.return_tops
+    known = measured or now - other.since >= options.return_frames
+    return known and _return_odds(observation, person, other, cells, now) > 0
+
+
+def _return_odds(
+    observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
+) -> float:
+    """Return the log odds that a ``newcomer`` is a person that left the picture.
+
+    A person who steps out for a moment comes back where they left; later anybody may enter.
+    """
+    options, tops = observation.options.arrivals, newcomer.identity.stature.tops
+    seconds = (newcomer.since - (now - 1 - person.frames_unseen)) / observation.fps
+    entered = np.median(newcomer.xyz, axis=0) - newcomer.went
+    away = float(np.linalg.norm((entered - np.median(person.known, axis=0)) @ observation.flat))
+    soon = np.exp(-seconds / options.return_seconds - 0.5 * (away / options.return_m) ** 2)
+    odds = options.return_soon_log * soon - options.return_log_odds
+    if tops:
+        odds += person.identity.stature.likelihood(float(np.median(tops)))
+    return float(odds + options.return_clothes_weight * person.likeness(observation.some(cells)))
+
+
+def _return_as(
+    observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
+) -> None:
+    """Take over what was seen of a recognised ``newcomer``, who may be another person."""
+    likely = squashed(_return_odds(observation, person, newcomer, cells, now))
+    person.identity.cap = observation.options.body.doubted_confidence * likely
+    person.seen = newcomer.seen
 
 
 def _offers(

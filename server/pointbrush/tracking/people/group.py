@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.tracking.compute.grid import bounds, close_to, within
-from pointbrush.tracking.interface import F64, I64, Mask, TrackState
+from pointbrush.tracking.interface import F64, I64, USUAL_FPS, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.track import Carrier, Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import (
@@ -34,7 +34,7 @@ class Group:
     """All people in sight, in cells of ``size`` metres.
 
     ``unit``: tolerance (m); ``flat`` (3, 2): axes along the ground; ``up`` (3,): vertical axis;
-    ``usual``: usual number of cells of a person.
+    ``usual``: usual number of cells of a person; ``fps``: frames per second.
     """
 
     options: TrackerOptions
@@ -45,16 +45,19 @@ class Group:
     up: F64
     usual: float
     now: int = 0
+    fps: float = USUAL_FPS
 
     @staticmethod
-    def of(view: View, tracks: Mapping[int, Track], background: PictureBackground) -> Group:
+    def of(
+        view: View, tracks: Mapping[int, Track], background: PictureBackground, fps: float
+    ) -> Group:
         """Return the painted people ``tracks`` of a first frame and unlabelled people in it."""
         sizes = [cell_size(view, track, background) for track in tracks.values()]
         people = {label: view.xyz[view.labels[label]].astype(np.float64) for label in tracks}
         unit = float(np.median([track.unit for track in tracks.values()]))
         flat = across(view, people.values())
         up = upright(view, flat)
-        group = Group(view.options, [], float(np.median(sizes)), unit, flat, up, 0.0)
+        group = Group(view.options, [], float(np.median(sizes)), unit, flat, up, 0.0, fps=fps)
         observation = group._sight(view, background, np.ones(len(view.xyz), np.bool_))
         for label, track in tracks.items():
             group.put(view, label, track)
@@ -75,7 +78,7 @@ class Group:
 
     def _sight(self, view: View, background: PictureBackground, free: Mask) -> PersonObservation:
         return PersonObservation.of(
-            view, background, free, self.size, self.unit, self.flat, self.up
+            view, background, free, self.size, self.unit, self.flat, self.up, self.fps
         )
 
     def put(self, view: View, label: int, track: Track) -> None:
@@ -129,6 +132,10 @@ class Group:
                 found[person.label] = outcome(observation, person, looks)
             else:
                 person.measure(person.top(observation))
+        left = any(f.named and f.at_side and f.frames_unseen for f in people)
+        for person in (f for f in self.people if left and not f.named and f.since):
+            if len(person.seen) < self.options.smoothing.lag_frames:
+                person.seen[view.number] = observation.points_of(person.label)
         self.people = [
             f
             for f in self.people
@@ -252,7 +259,7 @@ def outcome(
     options = observation.options
     identity, pose = person.identity, np.eye(4)
     pose[:3, 3] = person.went
-    points = observation.cells.indices[observation.owner[observation.cells.cell] == person.label]
+    points = observation.points_of(person.label)
     if identity.with_flying:
         points = np.concatenate([points, observation.take_flying(points)])
     points = np.sort(points)
@@ -266,8 +273,8 @@ def outcome(
         looks.likelihood(options=observation.view.options),
         identity.confidence + options.confidence.regain,
     )
-    if identity.doubts or identity.returned:
-        identity.confidence = min(identity.confidence, options.body.doubted_confidence)
+    cap = options.body.doubted_confidence if identity.doubts else 1.0
+    identity.confidence = min(identity.confidence, identity.cap, cap)
     state = TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked")
     return Outcome(state, points)
 
@@ -280,10 +287,10 @@ class JointTracking:
     """
 
     def __init__(
-        self, tracks: Mapping[int, Track], options: TrackerOptions, *, continue_lost: bool
+        self, tracks: Mapping[int, Track], options: TrackerOptions, asked: TrackOptions
     ) -> None:
-        """``tracks``: live mapping of all tracks of the run; see ``TrackOptions.continue_lost``."""
-        self._tracks, self._continue_lost, self.options = tracks, continue_lost, options
+        """``tracks``: live mapping of all tracks of the run."""
+        self._tracks, self._asked, self.options = tracks, asked, options
         self.group: Group | None = None
 
     @property
@@ -299,7 +306,7 @@ class JointTracking:
         """Start joint tracking of the people among the ``labels`` of a frame, if it applies."""
         bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
         if bodies and isinstance(background, PictureBackground):
-            self.group = Group.of(view, bodies, background)
+            self.group = Group.of(view, bodies, background, self._asked.fps)
             self._tell_clothes()
 
     def join(self, view: View, background: Background, label: int) -> None:
@@ -309,6 +316,21 @@ class JointTracking:
         elif self._one_of_them(self._tracks[label]):
             self.group.put(view, label, self._tracks[label])
         self._tell_clothes()
+
+    @property
+    def pending(self) -> set[int]:
+        """Frames with newcomers who may be recognised in later frames."""
+        people = () if self.group is None else self.group.people
+        return {number for f in people if not f.named for number in f.seen}
+
+    def recognised(self) -> dict[int, tuple[dict[int, I64], float]]:
+        """Return points by frame, and a confidence, of people just recognised, by label."""
+        people = () if self.group is None else self.group.people
+        found = [f for f in people if f.named and f.seen]
+        earlier = {f.label: (f.seen, f.identity.cap) for f in found}
+        for person in found:
+            person.seen = {}
+        return earlier
 
     def _tell_clothes(self) -> None:
         """Give the people's colour histograms to all other tracks."""
@@ -379,7 +401,7 @@ class JointTracking:
         found = self.group.step(view, background, free)
         for label, one in found.items():
             track = self._tracks[label]
-            track.lost = one.state.state == "lost" and not self._continue_lost
+            track.lost = one.state.state == "lost" and not self._asked.continue_lost
             if track.lost:
                 self.group.drop(label)
         return {label: each for label, each in found.items() if label not in painted}

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from pointbrush.tracking.compute.graph import Paths, parts, paths_into
-from pointbrush.tracking.interface import F32, F64, I64, Mask
+from pointbrush.tracking.interface import F32, F64, I64, USUAL_FPS, Mask
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.foreground import Foreground
@@ -23,7 +23,7 @@ class PersonObservation:
 
     ``flat`` (3, 2) and ``up`` (3,): axes along and off the ground; ``owner`` (N,): a label, below
     0 for unlabelled people, 0 for none; ``flying`` (F,): unassigned flying pixels outside all
-    cells.
+    cells; ``fps``: frames per second.
     """
 
     view: View
@@ -31,6 +31,7 @@ class PersonObservation:
     flat: F64
     up: F64
     flying: I64
+    fps: float = USUAL_FPS
     owner: I64 = field(init=False)
 
     @property
@@ -51,6 +52,7 @@ class PersonObservation:
         unit: float,
         flat: F64,
         up: F64,
+        fps: float,
     ) -> PersonObservation:
         """Return cells of ``size`` metres from the ``free`` foreground points (N,)."""
         some = np.flatnonzero(free)
@@ -59,8 +61,12 @@ class PersonObservation:
         some = some[moving]
         loose = flying(view, some, unit)
         return PersonObservation(
-            view, Foreground.of(view, some[~loose], size), flat, up, some[loose]
+            view, Foreground.of(view, some[~loose], size), flat, up, some[loose], fps
         )
+
+    def points_of(self, label: int) -> I64:
+        """Return the points of an owner."""
+        return np.asarray(self.cells.indices[self.owner[self.cells.cell] == label])
 
     def take_flying(self, points: I64) -> I64:
         """Return the flying pixels (B,) at the outline of ``points`` (M,), and remove them."""

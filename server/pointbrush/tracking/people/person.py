@@ -67,10 +67,10 @@ class Identity:
 
     ``label``: below 0 for unlabelled people; ``appearance``: their clothes, None if unseen;
     ``first``: number of cells at the start; ``with_flying``: whether flying pixels at the outline
-    are theirs; ``returned``: whether they left the picture since they were painted and may be
-    another person; ``doubts``: labels of people they may be instead; ``sure``: last frame with a
-    certain identity; ``colours`` (M, 3): samples of ``appearance``; ``shown``: visible surface of
-    these, see ``PersonObservation.area``.
+    are theirs; ``cap``: maximum confidence, as they left the picture since they were painted and
+    may be another person; ``doubts``: labels of people they may be instead; ``sure``: last frame
+    with a certain identity; ``colours`` (M, 3): samples of ``appearance``; ``shown``: visible
+    surface of these, see ``PersonObservation.area``.
     """
 
     options: TrackerOptions
@@ -81,7 +81,7 @@ class Identity:
     with_flying: bool = False
     stature: Stature = field(init=False)
     confidence: float = 1.0
-    returned: bool = False
+    cap: float = 1.0
     doubts: set[int] = field(default_factory=set)
     colours: F32 = field(default_factory=lambda: np.empty((0, 3), np.float32))
     shown: float = 0.0
@@ -106,7 +106,8 @@ class Person:
     ground (m) when painted; ``at_side``: whether they touched a side of the picture when last seen;
     ``missing``: frames since then; ``well``: last frame with more than scraps of them; ``known``
     (S, 3): their surface in it; ``mistaken``: consecutive frames with clothes exchanged with
-    another person; ``ways`` (2,): positions on the ground in the last frames.
+    another person; ``ways`` (2,): positions on the ground in the last frames; ``seen``: points (M,)
+    by frame of a newcomer who may be recognised later, then of the person.
     """
 
     options: TrackerOptions
@@ -128,6 +129,7 @@ class Person:
     back: int = -(2**20)
     mistaken: int = 0
     ways: deque[F64] = field(init=False)
+    seen: dict[int, I64] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Start with the first cells as the maximum."""
@@ -216,8 +218,8 @@ class Person:
         self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
         if self.frames_unseen:
             self.step, self.back = np.zeros(3), now
-            long = self.frames_unseen > self.options.arrivals.missing_frames
-            self.identity.returned |= self.at_side and long
+            if self.at_side and self.frames_unseen > self.options.arrivals.missing_frames:
+                self.identity.cap = min(self.identity.cap, options.doubted_confidence)
         else:
             self.step = (
                 step.copy()

@@ -8,9 +8,11 @@ linear smoother as a combination of two optimum linear filters"; here each frame
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from pointbrush.tracking.interface import I64, FrameResult, Mask, TrackOptions, TrackState
 from pointbrush.tracking.model.motion import Motion
@@ -71,10 +73,25 @@ class Smoother:
         self._held: list[Held] = []
         self._asked, self._options = asked, options
 
+    def relabel(self, earlier: Mapping[int, tuple[Mapping[int, I64], float]]) -> None:
+        """Add points of recognised people to held frames; see ``JointTracking.recognised``."""
+        for label, (points, confidence) in earlier.items():
+            for at, held in enumerate(self._held):
+                state, own = held.result.tracks.get(label), points.get(held.view.number)
+                if state is not None and own is not None:
+                    taken = np.concatenate([own[:0], *held.result.assignments.values()])
+                    state = replace(state, state="tracked", confidence=confidence)
+                    own = own[~held.view.marked(taken)[own]]
+                    self._held[at] = held.improve(label, state, own)
+
     def take(
-        self, new: Held, tracks: Mapping[int, Track], background: Background
+        self,
+        new: Held,
+        tracks: Mapping[int, Track],
+        background: Background,
+        pending: Collection[int] = (),
     ) -> Iterator[FrameResult]:
-        """Add the next frame, and yield the final results."""
+        """Add the next frame, and yield the final results; frames ``pending`` are held as well."""
         small = {n: track for n, track in tracks.items() if _stiff(track)}
         for label, track in small.items():
             if new.sure(label) and any(held.open(label) for held in self._held):
@@ -82,7 +99,10 @@ class Smoother:
         self._held.append(new)
         while self._held and (
             len(self._held) > self._options.lag_frames
-            or not any(self._held[0].open(label) for label in small)
+            or not (
+                self._held[0].view.number in pending
+                or any(self._held[0].open(label) for label in small)
+            )
         ):
             yield self._held.pop(0).result
 

@@ -72,6 +72,7 @@ class TrackingWork:
                 before=before,
                 painted=painted,
                 read_ahead=ahead,
+                fps=recording.manifest.fps,
                 **{name: value for name, value in asdict(chosen).items() if name in known},
             )
             if chosen.method == "auto":  # other methods do not use the sensor
