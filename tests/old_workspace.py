@@ -1,4 +1,4 @@
-"""The workspace that the first version wrote, copied to where a test may open it."""
+"""A workspace of schema 0010, copied to a folder where a test may open it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from pointbrush.sequences.storage.manifest import checksum
 from pointbrush.settings import Settings
 from tests.serving import settings_in
 
-GOLDEN = Path(__file__).parent / "golden" / "workspace_0001"
+GOLDEN = Path(__file__).parent / "golden" / "workspace_0010"
 EXPECTED: dict[str, Any] = json.loads((GOLDEN / "expected.json").read_text())
 
 
@@ -36,7 +36,7 @@ def old_workspace(folder: Path, database: str = "") -> Settings:
 def _copy_rows(source: Path, url: str) -> None:
     target = Database(url)
     with target.write() as connection:
-        command.upgrade(_config(connection), "0001")
+        command.upgrade(_config(connection), "0010")
     with closing(sqlite3.connect(source)) as old, target.write() as connection:
         old.row_factory = sqlite3.Row
         there = inspect(connection)

@@ -16,12 +16,12 @@ from pointbrush.database.database import Database
 from pointbrush.database.schema import MIGRATIONS
 from pointbrush.teamwork.store import WorkspaceStore
 
-OLD = Path(__file__).parents[1] / "golden" / "workspace_0001"
+OLD = Path(__file__).parents[1] / "golden" / "workspace_0010"
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
 def old(request: pytest.FixtureRequest, tmp_path: Path) -> str:
-    """The URL of a database as the first schema wrote it."""
+    """The URL of a database as schema 0010 has it."""
     file = tmp_path / "old.sqlite"
     shutil.copy(OLD / "labels.sqlite", file)
     if request.param == "sqlite":
@@ -33,7 +33,7 @@ def old(request: pytest.FixtureRequest, tmp_path: Path) -> str:
     config.set_main_option("path_separator", "os")
     with source.read() as reader, target.write() as writer:
         config.attributes["connection"] = writer
-        command.upgrade(config, "0001")
+        command.upgrade(config, "0010")
         known = MetaData()
         known.reflect(reader)
         for table in known.sorted_tables:

@@ -1,4 +1,4 @@
-"""A workspace of the first version opens with everything in it, on both databases."""
+"""A workspace of schema 0010 opens with everything in it, on both databases."""
 
 from __future__ import annotations
 

@@ -35,8 +35,8 @@ from pointbrush.database.project_tables import FIRST
 from pointbrush.database.project_tables import metadata as metadata
 from pointbrush.errors import BadInputError
 
-HEAD = "0023"
-"""The migration that results in these tables."""
+BASELINE, HEAD = "0010", "0023"
+"""The migration that makes the tables of a new database, and the one that results in these."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.
 ACTIVE = 0
@@ -377,7 +377,8 @@ PER_SEQUENCE = (
 def migrate(database: Database) -> None:
     """Run the missing migrations in one transaction.
 
-    Raises BadInputError for a database of a newer pointbrush, UnavailableError.
+    Raises BadInputError for a database of a newer pointbrush, or from before ``BASELINE``, and
+    UnavailableError.
     """
     with database.read() as connection:
         if _version(connection) == HEAD:
@@ -412,8 +413,10 @@ def _upgrade(connection: Connection) -> None:
     known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
     found = _version(connection)
     if found is not None and found not in known:
+        remedy = "it was written by a newer pointbrush"
+        if found < BASELINE:
+            remedy = "open it once with pointbrush 0.1.0, which upgrades it"
         raise BadInputError(
-            f"database: expected schema version {HEAD} or older, got {found}; "
-            "it was written by a newer pointbrush"
+            f"database: expected schema version {BASELINE} to {HEAD}, got {found}; {remedy}"
         )
     command.upgrade(config, "head")
