@@ -171,7 +171,7 @@ def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
         assert {each.id for each in again} == {each.id for each in taken}
         assert here.team.webhooks.take() == []
         for each in again:
-            there.team.webhooks.told(each)
+            there.team.webhooks.note_delivery(each)
         assert here.team.webhooks.take() == []
 
 
@@ -198,9 +198,9 @@ def test_a_receiver_that_is_away_is_paused_and_told_everything_later(
         for frame in range(5):
             store.team.tasks.add("default", "lead", [Stretch("wall", frame, frame)])
         for _ in range(2):
-            hooks.told(*hooks.take(1, away.id), "answered 503")
+            hooks.note_delivery(*hooks.take(1, away.id), "answered 503")
         assert [each.paused_until for each in hooks.all()] == [None, None]
-        hooks.told(*hooks.take(1, away.id), "answered 503")
+        hooks.note_delivery(*hooks.take(1, away.id), "answered 503")
         paused = next(each for each in hooks.all() if each.id == away.id).paused_until
         assert paused is not None
         assert hooks.waiting() == [other.id]

@@ -178,9 +178,9 @@ class Tokens:
         digest = f"{ELSEWHERE}{digest_of(subject)}"[: len(digest_of(""))]
         number = secrets.token_hex(4)
         row = {"id": number, "role": role, "digest": digest, "created": time.time()}
-        here = select(tokens).where(tokens.c.digest == digest)
+        query = select(tokens).where(tokens.c.digest == digest)
         with self._database.read() as connection:
-            found = connection.execute(here).one_or_none()
+            found = connection.execute(query).one_or_none()
         if found is not None:
             return token_of(found)
         new = insert_new(tokens, sqlite=self._database.sqlite).on_conflict_do_nothing()
@@ -188,14 +188,14 @@ class Tokens:
             taken = set(connection.execute(select(tokens.c.account)).scalars())
             name = next(_free(names, number, taken))
             connection.execute(new, row | {"name": name, "account": name})
-            return token_of(connection.execute(here).one())
+            return token_of(connection.execute(query).one())
 
     def put_role(self, token_id: str, role: Role) -> Token:
         """Change the role of a token and of its current sign-ins."""
-        here = tokens.c.id == token_id
+        is_token = tokens.c.id == token_id
         with self._database.write() as connection:
-            connection.execute(update(tokens).where(here).values(role=role))
-            return token_of(connection.execute(select(tokens).where(here)).one())
+            connection.execute(update(tokens).where(is_token).values(role=role))
+            return token_of(connection.execute(select(tokens).where(is_token)).one())
 
     def list(self) -> list[Token]:
         """Return all tokens, oldest first, including revoked and expired ones."""
@@ -206,13 +206,13 @@ class Tokens:
     def revoke(self, token_id: str) -> Token:
         """End a token's validity now; raises NotFoundError for an unknown id."""
         with self._database.write() as connection:
-            here = tokens.c.id == token_id
-            row = connection.execute(select(tokens).where(here)).one_or_none()
+            is_token = tokens.c.id == token_id
+            row = connection.execute(select(tokens).where(is_token)).one_or_none()
             if row is None:
                 raise NotFoundError(f"token: expected the id of a token, got {token_id!r}")
             if row.revoked is None:
-                connection.execute(update(tokens).where(here).values(revoked=time.time()))
-            return token_of(connection.execute(select(tokens).where(here)).one())
+                connection.execute(update(tokens).where(is_token).values(revoked=time.time()))
+            return token_of(connection.execute(select(tokens).where(is_token)).one())
 
     def check(self, secret: str) -> Token | None:
         """Return the valid token with this secret, or None."""

@@ -108,8 +108,8 @@ def restore_sequence(
     BadInputError when ``source`` is no backup, NotFoundError when the sequence is not in it.
     """
     with _opened(source) as original, original.read() as reader, database.write() as writer:
-        here = select(sequences).where(sequences.c.id == sequence, LIVE)
-        row = reader.execute(here).mappings().one_or_none()
+        query = select(sequences).where(sequences.c.id == sequence, LIVE)
+        row = reader.execute(query).mappings().one_or_none()
         if row is None:
             raise NotFoundError(f"backup: expected labels of {sequence!r}, there are none")
         fields = {name: value for name, value in row.items() if name != "number"}
@@ -127,16 +127,16 @@ def restore_sequence(
             return used.setdefault(there, there if there in ours.shown else named)
 
         def moved(row: Mapping[str, Any]) -> dict[str, Any]:
-            here = {**with_category(row, key_of), "sequence": key[0]}
+            row_here = {**with_category(row, key_of), "sequence": key[0]}
             if "fields" in row:
-                here["fields"] = json.dumps(with_category(json.loads(row["fields"]), key_of))
-            return here
+                row_here["fields"] = json.dumps(with_category(json.loads(row["fields"]), key_of))
+            return row_here
 
         for table in reversed(PER_SEQUENCE):
             wanted = select(table).where(table.c.sequence == row["number"])
             _copy_table(reader, writer, table, wanted, moved)
         put()
-        return _numbers_of(reader, {there: ours.name(here) for there, here in used.items()})
+        return _numbers_of(reader, {there: ours.name(ours_key) for there, ours_key in used.items()})
 
 
 def _numbers_of(reader: Connection, names: dict[str, str]) -> dict[str, dict[str, int]]:

@@ -14,7 +14,7 @@ from sqlalchemy import Connection, func, select
 
 from pointbrush.database.schema import categories
 
-AGAIN = "\n"
+KEY_SUFFIX = "\n"
 """End of the key of a class whose name is the first name of another class; not valid in names."""
 DELETED = 0
 """Value of ``merged`` of a deleted class; other values are the number of the target class."""
@@ -36,7 +36,7 @@ class ClassNames:
 
     def name(self, key: str) -> str:
         """Return the name of the class with this key."""
-        return self.shown.get(key, key.rstrip(AGAIN))
+        return self.shown.get(key, key.rstrip(KEY_SUFFIX))
 
     def key(self, name: str) -> str:
         """Return the key of the class with this name, or a free key if there is none."""
@@ -44,7 +44,7 @@ class ClassNames:
             return self.keys[name]
         key = name
         while key in self.shown:
-            key += AGAIN
+            key += KEY_SUFFIX
         return key
 
     def meaning(self, word: str) -> str:

@@ -254,11 +254,11 @@ def _unavailable(error: Exception) -> UnavailableError:
     """Translate an error; the address of an unreachable server is only for its operator."""
     cause = getattr(error, "orig", None) or error
     reason = str(cause).strip().splitlines()[0] if str(cause).strip() else type(cause).__name__
-    said, private = reason, ""
+    public, private = reason, ""
     if getattr(cause, "sqlstate", "") is None:  # an error of psycopg itself
-        said, private = "its server cannot be reached", reason
+        public, private = "its server cannot be reached", reason
     return UnavailableError(
-        f"the label database cannot be used now, nothing was changed: {said}", private=private
+        f"the label database cannot be used now, nothing was changed: {public}", private=private
     )
 
 

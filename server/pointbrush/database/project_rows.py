@@ -36,5 +36,5 @@ def put_in(connection: Connection, project: str, sequence: str) -> None:
     """Put a new recording into a project; without one of this id it stays in the first project."""
     with suppress(NotFoundError):
         lock_project(connection, project)
-        here = update(sequences).where(sequences.c.id == sequence, LIVE)
-        connection.execute(here.values(project=project))
+        row = update(sequences).where(sequences.c.id == sequence, LIVE)
+        connection.execute(row.values(project=project))

@@ -152,12 +152,12 @@ class Look:
             driver = self._idle.pop() if self._idle else None
         if driver is not None:
             try:
-                return self._asked(driver, statement, values)
+                return self._run(driver, statement, values)
             except self._failure:
                 self.close()
-        return self._asked(self._connect(), statement, values)
+        return self._run(self._connect(), statement, values)
 
-    def _asked(self, driver: Driver, statement: Statement, values: Values) -> object:
+    def _run(self, driver: Driver, statement: Statement, values: Values) -> object:
         try:
             row = statement.ask(driver, values)
         except BaseException:

@@ -79,9 +79,9 @@ def poses_beside(
     try:
         if entry.name == "feather":
             return argoverse_poses(folder.parent.parent, times, options.limits)
-        told = nuscenes_poses(tables, files)
-        if told is not None:
-            return told
+        poses = nuscenes_poses(tables, files)
+        if poses is not None:
+            return poses
         by_order = options.chosen.by_order
         return find_poses(folder, names, times, above=kitti, by_order=by_order)
     except BadInputError as error:

@@ -238,8 +238,8 @@ def list_files(
     if entry.bag is not None:
         return list_bags(entry, entry.bag, ordered, options)
     tables = find_tables(entry, folder) if whole else None
-    told = whole or options.chosen.poses_file is not None
-    poses = poses_beside(entry, files, folder, times, options, tables) if told else None
+    has_poses = whole or options.chosen.poses_file is not None
+    poses = poses_beside(entry, files, folder, times, options, tables) if has_poses else None
     frames = [
         FrameFile(
             files[i].name,

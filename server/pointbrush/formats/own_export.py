@@ -84,27 +84,27 @@ def own_export(place: Path) -> OwnExport | None:
     absolute = place.absolute()
     beside = absolute.with_name(f"{absolute.stem}.{NAME}")
     above = [*([absolute] if absolute.is_dir() else []), *list(absolute.parents)[:LEVELS]]
-    for told in (beside, *(folder / NAME for folder in above)):
-        if told.is_file():
-            return _parse(told, alone=absolute if told == beside else None)
+    for manifest in (beside, *(folder / NAME for folder in above)):
+        if manifest.is_file():
+            return _parse(manifest, alone=absolute if manifest == beside else None)
     return None
 
 
-def _parse(told: Path, alone: Path | None) -> OwnExport:
+def _parse(manifest: Path, alone: Path | None) -> OwnExport:
     """Read ``export.json``; ``alone``: the only file of points, with the only frame."""
     try:
-        if told.stat().st_size > MAX_BYTES:
+        if manifest.stat().st_size > MAX_BYTES:
             raise ValueError(f"more than {MAX_BYTES} bytes")
-        document = parse_json(told.read_text("utf-8"))
+        document = parse_json(manifest.read_text("utf-8"))
         frames: dict[Path, int] = {}
         deleted: dict[int, Path] = {}
         for entry in document["frames"]:
             number = int(entry["frame"])
-            frames |= {_place(told, name, alone): number for name in entry["files"]}
+            frames |= {_place(manifest, name, alone): number for name in entry["files"]}
             if DELETED in entry:
-                deleted[number] = _place(told, entry[DELETED], alone)
+                deleted[number] = _place(manifest, entry[DELETED], alone)
         return OwnExport(
-            told.parent,
+            manifest.parent,
             str(document["format"]),
             MappingProxyType(frames),
             MappingProxyType(deleted),
@@ -113,15 +113,15 @@ def _parse(told: Path, alone: Path | None) -> OwnExport:
         )
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise BadInputError(
-            f"{told.name}: expected frames and files of an export, got another file: {error}"
+            f"{manifest.name}: expected frames and files of an export, got another file: {error}"
         ) from None
 
 
-def _rigid(told: Any) -> NDArray[np.float64]:
+def _rigid(value: Any) -> NDArray[np.float64]:
     """Read a rigid transform (4, 4), the identity if there is none; raise ValueError."""
-    if told is None:
+    if value is None:
         return np.eye(4)
-    T = np.asarray(told, np.float64)
+    T = np.asarray(value, np.float64)
     if T.shape != (4, 4) or not np.isfinite(T).all() or (T[3] != [0, 0, 0, 1]).any():
         raise ValueError(f"{PLACEMENT}: expected 4 finite rows of 4, the last 0 0 0 1")
     if not np.allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-6):
@@ -129,12 +129,12 @@ def _rigid(told: Any) -> NDArray[np.float64]:
     return T
 
 
-def _place(told: Path, name: str, alone: Path | None) -> Path:
+def _place(manifest: Path, name: str, alone: Path | None) -> Path:
     """Return the path of a file of an export, in its folder or beside its single file."""
     if alone is not None:
         beside = alone.with_name(f"{alone.stem}.{name.replace('/', '.')}")
         return alone if name.endswith(alone.suffix) else beside
-    path = stored_as(told.parent / name)
-    if not path.resolve().is_relative_to(told.parent.resolve()):
+    path = stored_as(manifest.parent / name)
+    if not path.resolve().is_relative_to(manifest.parent.resolve()):
         raise ValueError(f"a file outside the export: {name[:80]}")
     return path

@@ -29,10 +29,10 @@ def iou_3d(size_a: Floats, T_a: Floats, size_b: Floats, T_b: Floats) -> float:
 
 def iou_matrix(sizes_a: Floats, Ts_a: Floats, sizes_b: Floats, Ts_b: Floats) -> Floats:
     """Compute the IoU (N, M) of boxes: sizes (N, 3), (M, 3), transforms (N, 4, 4), (M, 4, 4)."""
-    away = np.linalg.norm(Ts_a[:, None, :3, 3] - Ts_b[None, :, :3, 3], axis=2)
+    distance = np.linalg.norm(Ts_a[:, None, :3, 3] - Ts_b[None, :, :3, 3], axis=2)
     reach = np.linalg.norm(sizes_a, axis=1)[:, None] + np.linalg.norm(sizes_b, axis=1)[None]
-    found = np.zeros(away.shape)
-    for a, b in np.argwhere(away < reach / 2).tolist():
+    found = np.zeros(distance.shape)
+    for a, b in np.argwhere(distance < reach / 2).tolist():
         found[a, b] = iou_3d(sizes_a[a], Ts_a[a], sizes_b[b], Ts_b[b])
     return found
 

@@ -118,10 +118,10 @@ def _pictures(pictures: HeadsetPictures | None) -> Line:
     what = "pictures in time"
     if pictures is None or pictures.count < FEWEST_PICTURES:
         return Line("unknown", what, "")
-    told = "no rate told" if pictures.told is None else f"{pictures.told:g}/s told"
+    rate = "no rate told" if pictures.told is None else f"{pictures.told:g}/s told"
     late = pictures.late / pictures.count
     times = f"{pictures.median_ms:.1f} ms, 95 %: {pictures.p95_ms:.1f} ms"
-    detail = f"{told}, {pictures.found:g}/s found, {times}, late {late:.0%} of {pictures.count}"
+    detail = f"{rate}, {pictures.found:g}/s found, {times}, late {late:.0%} of {pictures.count}"
     return Line(_is(late <= MOST_LATE), what, detail)
 
 

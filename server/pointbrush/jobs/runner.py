@@ -315,7 +315,7 @@ class JobRunner:
     def _see_through(self, job_id: str, running: _Running) -> None:
         """Wait until the work has ended, restart it if necessary, and end the job."""
         error = self._outcome(job_id, running)
-        while self._again(job_id, running, error):
+        while self._restarts(job_id, running, error):
             error = self._outcome(job_id, running)
         # Wait for pending items; failed work may not have connected.
         connected = error is None or running.connection is not None
@@ -356,7 +356,7 @@ class JobRunner:
                 if running.cancelled or self._closed:
                     return CancelledError("cancelled by the user")
                 self.known.change(
-                    job_id, message=SCHEDULER_AWAY if self._workers.away else SHORTAGE
+                    job_id, message=SCHEDULER_AWAY if self._workers.unreachable else SHORTAGE
                 )
                 time.sleep(LOOK_SECONDS)
                 self._workers.look_for_scheduler()
@@ -369,7 +369,7 @@ class JobRunner:
             except TimeoutError as error:
                 if running.future.done():
                     return error
-                if self._workers.away:
+                if self._workers.unreachable:
                     return DisconnectedError("the Dask scheduler restarted")
                 if running.connection is None:
                     self.known.change(job_id, message=self._waits_for())
@@ -383,7 +383,7 @@ class JobRunner:
             return f"waiting: {error}"
         return "waiting for a worker"
 
-    def _again(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
+    def _restarts(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
         """Resubmit work if its worker or scheduler was lost; return whether it was resubmitted."""
         if error is None or not died(error) or running.cancelled or self._closed:
             return False

@@ -285,7 +285,7 @@ class Workers:
         return self._executor is not None
 
     @property
-    def away(self) -> bool:
+    def unreachable(self) -> bool:
         """Return whether the scheduler is unreachable or was restarted."""
         return isinstance(self._executor, DaskExecutor) and not self._executor.connected
 
@@ -298,7 +298,7 @@ class Workers:
         """Connect to a restarted scheduler; work can be submitted meanwhile."""
         with self._connecting:
             lost = self._executor
-            if lost is None or not self.away:
+            if lost is None or not self.unreachable:
                 return
             with suppress(UnavailableError):
                 found = self._make()

@@ -93,16 +93,16 @@ def load_blocks(
 
     The result lacks blocks without edits.
     """
-    here = {"of_sequence": number, "frame": frame, "layer": layer}
+    place = {"of_sequence": number, "frame": frame, "layer": layer}
     blocks: dict[int, Block] = {}
     later: list[Any] = []
     for block, revision, data in connection.execute(
-        _SNAPSHOTS, {**here, "first": first, "last": last}
+        _SNAPSHOTS, {**place, "first": first, "last": last}
     ).all():
         blocks[block] = Block(decode_states(data), 0)
-        later += connection.execute(_SINCE, {**here, "block": block, "after": revision}).all()
+        later += connection.execute(_SINCE, {**place, "block": block, "after": revision}).all()
     for start, stop in _gaps(first, last, sorted(blocks)):
-        later += connection.execute(_WHOLE, {**here, "first": start, "last": stop}).all()
+        later += connection.execute(_WHOLE, {**place, "first": start, "last": stop}).all()
     for block, data in later:
         held = blocks.setdefault(block, Block(None, 0))
         held.apply(decode_change(data), block_size(points, block))

@@ -186,8 +186,10 @@ def _check_counts(
 
 
 def _check_palette(connection: Connection, state: SequenceState) -> Iterator[Finding]:
-    here = edit_labels.c.sequence == state.number
-    known = set(connection.execute(select(edit_labels.c.label).where(here).distinct()).scalars())
+    of_sequence = edit_labels.c.sequence == state.number
+    known = set(
+        connection.execute(select(edit_labels.c.label).where(of_sequence).distinct()).scalars()
+    )
     kept = set(
         connection.execute(select(labels.c.id).where(labels.c.sequence == state.number)).scalars()
     )
@@ -246,8 +248,8 @@ def expected_frame_changes(connection: Connection, state: SequenceState) -> dict
 def _check_frame_changes(connection: Connection, state: SequenceState) -> Iterator[Finding]:
     expected = expected_frame_changes(connection, state)
     table = frame_changes.c
-    here = select(table.frame, table.revision).where(table.sequence == state.number)
-    kept = {row.frame: row.revision for row in connection.execute(here)}
+    query = select(table.frame, table.revision).where(table.sequence == state.number)
+    kept = {row.frame: row.revision for row in connection.execute(query)}
     for frame in _sorted(expected.keys() | kept.keys()):
         wanted = expected.get(frame, 0)
         for where, found in (("database", kept), ("memory", state.changed)):
@@ -318,9 +320,9 @@ def _snapshots(connection: Connection, state: SequenceState) -> None:
     kept = select(table.frame, table.layer, table.block).where(table.sequence == state.number)
     for place in sorted(tuple(row) for row in connection.execute(kept).all()):
         frame, layer, block = place
-        here = at(table, state.number, place)
+        is_block = at(table, state.number, place)
         states = _replayed(connection, state, place)
-        connection.execute(delete(snapshots).where(here))
+        connection.execute(delete(snapshots).where(is_block))
         connection.execute(
             insert(snapshots),
             {
@@ -354,8 +356,12 @@ def _count_rows(connection: Connection, state: SequenceState) -> list[dict[str, 
 
 
 def _label_rows(connection: Connection, state: SequenceState) -> list[dict[str, Any]]:
-    here = edit_labels.c.sequence == state.number
-    known = connection.execute(select(edit_labels.c.label).where(here).distinct()).scalars().all()
+    of_sequence = edit_labels.c.sequence == state.number
+    known = (
+        connection.execute(select(edit_labels.c.label).where(of_sequence).distinct())
+        .scalars()
+        .all()
+    )
     folded = palette.fold(connection, state.number, known, state.classes)
     return [
         state.classes.stored({"id": label.id, **{name: getattr(label, name) for name in FIELDS}})

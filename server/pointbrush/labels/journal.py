@@ -86,7 +86,7 @@ _INSERT_BOX = Statement(insert(edit_boxes))
 BLOCKS_AT_ONCE = 256
 
 
-Told = str | Callable[[int, int], str]
+Summary = str | Callable[[int, int], str]
 """A sentence of the history, or a function that makes it from the numbers of points and frames."""
 _PUT_LABEL, _PUT_TRACK = upsert(schema.labels), upsert(schema.tracks)
 _PUT_COUNT, _PUT_CHANGE = upsert(schema.counts), upsert(schema.frame_changes)
@@ -118,14 +118,14 @@ class Entry:
     id: str
     author: str
     kind: str
-    summary: Told
+    summary: Summary
     state: int = schema.ACTIVE
     target: int | None = None
     """Revision of the edit that an undo or redo reverses."""
     label: Label | None = None
     """The label that it creates or changes, after the edit."""
 
-    def told(self, points: int, frames: int) -> str:
+    def summary_of(self, points: int, frames: int) -> str:
         """Return the sentence of the history."""
         return self.summary if isinstance(self.summary, str) else self.summary(points, frames)
 
@@ -255,7 +255,7 @@ def change_at(connection: Connection, number: int, revision: int, place: Place) 
     return None if data is None else decode_change(data)
 
 
-def labels_that_came_or_went(connection: Connection, row: Row[Any]) -> set[int]:
+def turned_labels(connection: Connection, row: Row[Any]) -> set[int]:
     """Return the labels that an edit, or the one it undoes or redoes, created or deleted."""
     query = select(edit_labels.c.label, edit_labels.c.fields).where(
         edit_labels.c.sequence == row.sequence,
@@ -299,16 +299,16 @@ def top_of_stack(ask: Ask, number: int, author: str, state: int, edit: str | Non
 
 def set_state(connection: Connection, number: int, revision: int, **values: int) -> None:
     """Mark an edit as undone, or as redone."""
-    here = and_(edits.c.sequence == number, edits.c.revision == revision)
-    connection.execute(update(edits).where(here).values(**values))
+    is_edit = and_(edits.c.sequence == number, edits.c.revision == revision)
+    connection.execute(update(edits).where(is_edit).values(**values))
 
 
 def derive(driver: Driver, draft: Draft, effect: Effect) -> None:
     """Update the palette, tracks, boxes, counts and last changes of frames."""
-    here = {"sequence": draft.state.number}
+    key = {"sequence": draft.state.number}
 
     def row(**columns: Any) -> dict[str, Any]:
-        return {**here, **columns}
+        return {**key, **columns}
 
     given = [label for label in draft.labels.values() if label is not None]
     fields = ({name: getattr(one, name) for name in _FIELDS} for one in given)

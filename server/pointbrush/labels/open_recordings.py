@@ -56,7 +56,7 @@ class OpenRecordings:
         self._live = self._read_live()
         # By number, as another sequence with the same id has separate revisions.
         self._seen = {number: revision for number, revision, _ in self._live.values()}
-        self.came_or_went: Callable[[str], None] = lambda _: None
+        self.sequence_changed: Callable[[str], None] = lambda _: None
         """Called with the id of a sequence that another process added, deleted or replaced."""
         self.listed: Callable[[], None] = lambda: None
         """Called after a sequence is added or removed, by this process or another."""
@@ -151,7 +151,7 @@ class OpenRecordings:
             for sequence in sorted(before.keys() | newest.keys()):
                 if _number(before, sequence) != _number(newest, sequence):
                     self.listed()
-                    self.came_or_went(sequence)
+                    self.sequence_changed(sequence)
         except UnavailableError:
             with self._listing:
                 self._live = before
@@ -280,7 +280,7 @@ class OpenRecordings:
         """Return a past commit; where later edits matter, its deltas have the *current* values."""
         labels = json.loads(row.labels)
         changes = journal.changes_of(connection, state.number, row.revision)
-        turned = journal.labels_that_came_or_went(connection, row) if labels else set()
+        turned = journal.turned_labels(connection, row) if labels else set()
         frames = deltas_of(connection, state, changes, turned)
         boxes = box_journal.changed_in(connection, row) if row.boxes else set()
         boxes |= box_journal.of_labels(connection, state.number, turned).keys()

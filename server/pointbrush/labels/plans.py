@@ -20,7 +20,7 @@ from pointbrush.labels.classes import palette
 from pointbrush.labels.classes.palette import Palette, free_name_and_color
 from pointbrush.labels.classes.selection import allowed, require_allowed
 from pointbrush.labels.draft import Draft
-from pointbrush.labels.journal import Entry, Told
+from pointbrush.labels.journal import Entry, Summary
 from pointbrush.labels.state import SequenceState
 from pointbrush.labels.types import Label, Write
 from pointbrush.labels.writes import locked_error
@@ -33,7 +33,7 @@ Plan = Callable[[Draft], Entry]
 Tracks = dict[tuple[int, int], str | None]
 
 
-def new_entry(edit_id: str | None, author: str, kind: str, summary: Told) -> Entry:
+def new_entry(edit_id: str | None, author: str, kind: str, summary: Summary) -> Entry:
     """Return an entry with checked texts, and a new id if none is given.  Raises BadInputError."""
     edit_id = str(uuid.uuid4()) if edit_id is None else check_text("edit id", edit_id, ID_LIMIT)
     check_text("author", author, AUTHOR_LIMIT)

@@ -120,8 +120,8 @@ class Recordings:
         }
         self._database.insert_new(connection, _LIVE_INDEX, fields)
         # Inserted here, or by another process at the same moment.
-        here = select(schema.sequences).where(_SEQUENCES.id == sequence, IS_LIVE)
-        return connection.execute(here).one()
+        query = select(schema.sequences).where(_SEQUENCES.id == sequence, IS_LIVE)
+        return connection.execute(query).one()
 
     def forget(self, sequence: str) -> None:
         """Remove a recording's labels with their history; an unknown recording is no error."""

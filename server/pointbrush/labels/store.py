@@ -16,7 +16,7 @@ from pointbrush.labels.boxes.editing import Boxes
 from pointbrush.labels.classes import palette
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.classes.taxonomy import Taxonomy
-from pointbrush.labels.journal import Told
+from pointbrush.labels.journal import Summary
 from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
 from pointbrush.labels.reading import View
@@ -58,9 +58,9 @@ class LabelStore:
         """Refuse edits from now on if the database is read-only; see ``Database``."""
         self.database.seal()
 
-    def time_transactions(self, told: Callable[[str, float], None]) -> None:
+    def time_transactions(self, callback: Callable[[str, float], None]) -> None:
         """Set a callback for each transaction: "read" or "write", and its duration in seconds."""
-        self.database.timed = told
+        self.database.timed = callback
 
     def require_writable(self) -> None:
         """Raise ReadOnlyError if the database is read-only."""
@@ -86,7 +86,7 @@ class LabelStore:
 
         Changes of other processes are noticed only if there is a subscriber to commits.
         """
-        self._open_recordings.came_or_went = listener
+        self._open_recordings.sequence_changed = listener
 
     def watch_classes(self, listener: Callable[[str], None]) -> None:
         """Call ``listener`` with the id of each open sequence after classes were renamed."""
@@ -281,7 +281,7 @@ class LabelStore:
         author: str,
         kind: str,
         writes: Writes | Choose,
-        summary: Told,
+        summary: Summary,
         tracks: Iterable[Mapping[str, Any]] | None = None,
         if_match: tuple[int, int] | None = None,
         identity: str | None = None,

@@ -195,7 +195,7 @@ def _tracks(draft: Draft, edit: Row[Any]) -> None:
     if not edit.tracks:
         return
     mine, other = edit_tracks.alias(), edit_tracks.alias()
-    here = (draft.state.number, edit.revision)
+    key = (draft.state.number, edit.revision)
     query = (
         select(other.c.frame, other.c.label, other.c.data)
         .join(
@@ -210,12 +210,12 @@ def _tracks(draft: Draft, edit: Row[Any]) -> None:
             edits,
             and_(edits.c.sequence == other.c.sequence, edits.c.revision == other.c.revision),
         )
-        .where(mine.c.sequence == here[0], mine.c.revision == here[1])
+        .where(mine.c.sequence == key[0], mine.c.revision == key[1])
         .where(edits.c.state.in_(IN_FORCE))
         .order_by(other.c.revision)
     )
     places = select(mine.c.frame, mine.c.label).where(
-        mine.c.sequence == here[0], mine.c.revision == here[1]
+        mine.c.sequence == key[0], mine.c.revision == key[1]
     )
     for frame, label in draft.connection.execute(places):
         draft.tracks[frame, label] = None

@@ -105,7 +105,7 @@ class Writer:
     def _commit_all(self, state: SequenceState, batch: list[Request]) -> None:
         """Commit a batch; an error of the database fails all its requests and changes nothing."""
         made: dict[str, Commit] = {}
-        told: list[tuple[Request, Commit]] = []
+        committed: list[tuple[Request, Commit]] = []
         before, written, ended = state.revision, False, False
         try:
             with self._database.write(begun=False) as connection:
@@ -115,7 +115,7 @@ class Writer:
                 for request in batch:
                     known = first.get(request.edit_id) or made.get(request.edit_id)
                     if known is not None:
-                        told.append((request, replace(known, repeated=True)))
+                        committed.append((request, replace(known, repeated=True)))
                         continue
                     draft = Draft(connection, state)
                     try:
@@ -129,7 +129,7 @@ class Writer:
                     written, last = True, request is batch[-1]
                     ended = last
                     done = made[request.edit_id] = self._append(draft, entry, last=last)
-                    told.append((request, done))
+                    committed.append((request, done))
                 if made and not last:
                     ended = True
                     commit(driver_of(connection))
@@ -140,7 +140,7 @@ class Writer:
             return
         for done in made.values():
             self._open_recordings.outbox.put(done)
-        for request, done in told:
+        for request, done in committed:
             request.commit = done
 
     def _fail(
@@ -233,7 +233,7 @@ class Writer:
             revision=draft.revision,
             author=entry.author,
             kind=entry.kind,
-            summary=entry.told(effect.changed, len(effect.frames)),
+            summary=entry.summary_of(effect.changed, len(effect.frames)),
             changed=effect.changed,
             time=time.time(),
             target=journal.edit_id_of(draft.connection, state.number, entry.target),

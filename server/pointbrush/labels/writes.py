@@ -51,24 +51,24 @@ def cut(write: Write, points: int, palette: dict[int, Label]) -> Iterator[BlockW
     if write.only not in RULES:
         raise BadInputError(f"only: expected one of {', '.join(RULES)}, got {write.only!r}")
     _require_labels(write, label, palette)
-    for first, here in by_block(indices, BLOCK):
+    for first, span in by_block(indices, BLOCK):
         yield BlockWrite(
             first // BLOCK,
-            indices[here] - first,
-            None if label is None else label[here],
-            None if provenance is None else _came(provenance, confidence, here),
-            None if deleted is None else deleted[here],
+            indices[span] - first,
+            None if label is None else label[span],
+            None if provenance is None else _came(provenance, confidence, span),
+            None if deleted is None else deleted[span],
             write.only,
             write.living,
         )
 
 
 def _came(
-    provenance: NDArray[np.uint64], confidence: NDArray[np.uint64] | None, here: slice
+    provenance: NDArray[np.uint64], confidence: NDArray[np.uint64] | None, span: slice
 ) -> NDArray[np.uint64]:
     """Return the bits of provenance and confidence of some points."""
-    bits = provenance[here] << PROVENANCE_SHIFT
-    return bits if confidence is None else bits | confidence_bits(confidence[here])
+    bits = provenance[span] << PROVENANCE_SHIFT
+    return bits if confidence is None else bits | confidence_bits(confidence[span])
 
 
 def _indices(given: Any, points: int) -> NDArray[np.int64]:

@@ -149,7 +149,7 @@ class Drawing:
         )
 
 
-def told(found: Explanation) -> str:
+def verdict_text(found: Explanation) -> str:
     """Return a description of a frame's result and its evidence, as Markdown."""
     track = found.track
     lines = [

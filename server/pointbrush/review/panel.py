@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit
-from pointbrush.review.drawing import STEPS, Drawing, add_plot, blend, curves, lookup, told
+from pointbrush.review.drawing import STEPS, Drawing, add_plot, blend, curves, lookup, verdict_text
 from pointbrush.review.explaining import Explaining, ExplainRequest, first_frame
 from pointbrush.settings import Settings
 from pointbrush.work.annotate.accepting import Verdict
@@ -121,7 +121,7 @@ class ReviewPanel:
             self._from = gui.add_number("From", 0, min=0, max=last, step=1)
             self._to = gui.add_number("To", last, min=0, max=last, step=1)
             verdict = gui.add_button_group("Verdict", ("Accept", "Reject"))
-            self._said = gui.add_markdown("")
+            self._message = gui.add_markdown("")
         verdict.on_click(lambda event: self.judge(accept=event.target.value == "Accept"))
 
     def _add_steps(self) -> None:
@@ -170,8 +170,8 @@ class ReviewPanel:
         doubts = doubtful_frames(tracks)
         shown = ", ".join(map(str, doubts[:40])) or "none"
         self._doubts.content = f"**Doubtful frames:** {shown}"
-        here = {track["label"]: track for track in tracks if track["frame"] == self.frame}
-        self._labels.content = self._listed(np.bincount(values.label[kept], minlength=1), here)
+        by_label = {track["label"]: track for track in tracks if track["frame"] == self.frame}
+        self._labels.content = self._listed(np.bincount(values.label[kept], minlength=1), by_label)
         self._drawing.trails(self._paths(tracks, colors) if self._trails.value else [])
         self._show_steps(colors)
 
@@ -233,7 +233,7 @@ class ReviewPanel:
         shown = [name for name, box in self._steps.items() if box.value]
         xyz = np.asarray(self._recording[self.frame].xyz)
         self._drawing.explanation(found, xyz, colors, shown)
-        self._verdict.content = told(found)
+        self._verdict.content = verdict_text(found)
 
     def _aim(self, client: viser.ClientHandle) -> None:
         """Aim the camera at the explained label, or else the frame's centre, from the front."""
@@ -241,19 +241,19 @@ class ReviewPanel:
         found = None if running is None else running.frames.get(self.frame)
         xyz = np.asarray(self._recording[self.frame].xyz, np.float64)
         if found is not None and len(found.surface):
-            at, away = found.surface.mean(axis=0), NEARBY
+            at, distance = found.surface.mean(axis=0), NEARBY
         elif len(xyz):
             at = np.median(xyz, axis=0)
-            away = OVERVIEW * float(np.median(np.linalg.norm(xyz - at, axis=1)))
+            distance = OVERVIEW * float(np.median(np.linalg.norm(xyz - at, axis=1)))
         else:
-            at, away = np.zeros(3), NEARBY
+            at, distance = np.zeros(3), NEARBY
         eye = self._recording[self.frame].viewpoint
         way = FROM
         if eye is not None and np.linalg.norm(eye - at) > 0:
             way = self._room[:3, :3] @ (eye - at)
             way = way / np.linalg.norm(way)
         at = self._room[:3, :3] @ at + self._room[:3, 3]
-        client.camera.position, client.camera.look_at = at + away * way, at
+        client.camera.position, client.camera.look_at = at + distance * way, at
 
     def judge(self, *, accept: bool) -> None:
         """Accept or reject the tracked points of the chosen label in the chosen frames."""
@@ -264,10 +264,10 @@ class ReviewPanel:
         try:
             commit = self._workspace.verdicts.give(verdict, self._sequence, frames, [label], AUTHOR)
         except PointbrushError as error:
-            self._said.content = f"**{error}**"
+            self._message.content = f"**{error}**"
             return
         word = "accepted" if accept else "rejected"
-        self._said.content = f"{word} frames {low} to {high}: {commit.changed:,} points changed"
+        self._message.content = f"{word} frames {low} to {high}: {commit.changed:,} points changed"
 
     def jump(self, direction: int) -> None:
         """Go to the next (1) or previous (-1) doubtful frame, if there is one."""

@@ -23,7 +23,7 @@ _NEIGHBOURS = 12
 _PLANES = 250
 _MIN_SHARE = 0.04
 _FEW = 100
-SAID_TILT = 20.0
+STATED_TILT = 20.0
 """Greatest angle in degrees between a floor's normal and the up axis that a user gave."""
 
 
@@ -136,10 +136,10 @@ def _normals(points: Vector) -> tuple[Vector, Vector]:
     return vectors[:, :, 0], values[:, 0] / np.maximum(values.sum(axis=1), 1e-30)
 
 
-def _said(up: Vector) -> _Convention:
+def _stated_up(up: Vector) -> _Convention:
     """Return the convention of an up axis (3,) that a user gave."""
     forward = (0.0, 0.0, -float(np.sign(up[1]))) if up[1] else (0.0, 1.0, 0.0)
-    return _Convention((float(up[0]), float(up[1]), float(up[2])), forward, 1.0, SAID_TILT)
+    return _Convention((float(up[0]), float(up[1]), float(up[2])), forward, 1.0, STATED_TILT)
 
 
 def find_floor(
@@ -154,7 +154,7 @@ def find_floor(
     depth = frustum_depth(points) if kind == "unknown" else 0.0
     if depth and len(viewpoints) == 0:
         viewpoints = np.zeros((1, 3))
-    choices = _conventions(points, kind, depth) if up is None else [_said(up)]
+    choices = _conventions(points, kind, depth) if up is None else [_stated_up(up)]
     points = thin(points)
     best: tuple[float, _Convention, Vector, float] | None = None
     if len(points) >= 3 * _NEIGHBOURS:

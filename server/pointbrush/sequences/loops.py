@@ -69,17 +69,17 @@ def walk(values: NDArray[np.int32], first: NDArray[np.int64], way: NDArray[np.in
                 left[field, place] = np.int16(min(values[field, start + place] - least, _FAR))
         for place in range(size):
             points[place] = places[place] = place
-        here = np.int64(0)
+        position = np.int64(0)
         for step in range(size):
-            way[start + step] = start + here
+            way[start + step] = start + position
             # The last remaining point takes its place.
-            place, last = places[here], size - step - 1
+            place, last = places[position], size - step - 1
             points[place] = points[last]
             places[points[last]] = place
             for field in range(fields):
                 now[field], left[field, place] = left[field, place], left[field, last]
             _measure(left, last, now, distance)
-            here = _nearest(distance, points, last)
+            position = _nearest(distance, points, last)
 
 
 @innermost

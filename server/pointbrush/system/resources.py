@@ -27,13 +27,13 @@ LEAST_ROOM = 32 << 20
 
 def shortage(error: BaseException) -> UnavailableError | None:
     """Return the error in our words when it is about a shortage that may pass, or None."""
-    number, said = error.errno if isinstance(error, OSError) else None, str(error)
+    number, message = error.errno if isinstance(error, OSError) else None, str(error)
     if number in FULL and isinstance(error, OSError):
         return UnavailableError(
             f"the disk has no room for this, nothing was changed: {error.strerror}"
         )
     unread = isinstance(error, ImportError) or (isinstance(error, OSError) and number is None)
-    if number in FILES or (unread and os.strerror(errno.EMFILE) in said):
+    if number in FILES or (unread and os.strerror(errno.EMFILE) in message):
         return UnavailableError(
             "the server has too many files open to do this now, nothing was changed; "
             "try again when fewer people are connected"
@@ -41,8 +41,8 @@ def shortage(error: BaseException) -> UnavailableError | None:
     if (
         isinstance(error, MemoryError)
         or number == errno.ENOMEM
-        or (unread and any(words in said for words in NO_MAPPING))
-        or (isinstance(error, RuntimeError) and said == NO_THREAD)
+        or (unread and any(words in message for words in NO_MAPPING))
+        or (isinstance(error, RuntimeError) and message == NO_THREAD)
     ):
         return UnavailableError(
             "the server has too little memory to do this now, nothing was changed; "

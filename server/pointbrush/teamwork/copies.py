@@ -46,8 +46,8 @@ class Copies:
         number = select(sequences.c.number).where(sequences.c.id == original, LIVE)
         with self._database.write() as connection:
             values = {"copy_of": number.scalar_subquery(), "copy_kind": kind, "project": project}
-            here = update(sequences).where(sequences.c.id == copy, LIVE)
-            connection.execute(here.values(**values))
+            row = update(sequences).where(sequences.c.id == copy, LIVE)
+            connection.execute(row.values(**values))
 
     def originals(self) -> dict[str, str]:
         """Return the id of each copy's original, by the id of the copy."""

@@ -37,7 +37,7 @@ class Hooks:
         self._thread = threading.Thread(target=self._run, name="pointbrush-webhooks", daemon=True)
         self._lock = threading.Lock()
         self._telling: dict[str, threading.Thread] = {}  # by webhook
-        self._told: dict[str, float] = {}  # time of the last delivery
+        self._delivered: dict[str, float] = {}  # time of the last delivery
 
     def add(self, project: str, url: str, topics: list[Topic] | None = None) -> Webhook:
         """Add a webhook of a project, by default for all topics.
@@ -87,7 +87,7 @@ class Hooks:
             except Exception:
                 if self._stop.is_set():  # the workspace was closed
                     return
-                log.exception("webhooks could not be told")
+                log.exception("webhooks could not be delivered")
 
     def tell(self) -> None:
         """Start to deliver due events, with one thread per receiver.
@@ -96,8 +96,10 @@ class Hooks:
         """
         waiting = self._webhooks.waiting()
         with self._lock:
-            self._told = {each: self._told.get(each, 0.0) for each in {*waiting, *self._telling}}
-            for webhook in sorted(waiting, key=self._told.__getitem__):
+            self._delivered = {
+                each: self._delivered.get(each, 0.0) for each in {*waiting, *self._telling}
+            }
+            for webhook in sorted(waiting, key=self._delivered.__getitem__):
                 if webhook in self._telling or len(self._telling) >= AT_ONCE:
                     continue
                 name = f"pointbrush-webhook-{webhook}"
@@ -114,13 +116,13 @@ class Hooks:
             while not (error or self._stop.is_set()) and (due := self._webhooks.take(2, webhook)):
                 for delivery in due:
                     error = self._send(delivery)
-                    self._webhooks.told(delivery, error)
+                    self._webhooks.note_delivery(delivery, error)
         except Exception:
             if not self._stop.is_set():
-                log.exception("a webhook could not be told")
+                log.exception("a webhook could not be delivered")
         finally:
             with self._lock:
-                self._told[webhook] = time.monotonic()
+                self._delivered[webhook] = time.monotonic()
                 del self._telling[webhook]
 
     def _send(self, delivery: Delivery) -> str:

@@ -141,8 +141,8 @@ def _of_matches(
         ends = ((match.first,), (match.second,))
         if classes[0].get(match.first, "") != classes[1].get(match.second, ""):
             found.append(Disagreement("renamed", *ends, shared))
-        told = match.first in wholes[0] or match.second in wholes[1]  # reported as split or merged
-        if match.iou < options.same and not told:
+        is_split = match.first in wholes[0] or match.second in wholes[1]  # or merged
+        if match.iou < options.same and not is_split:
             union = sizes[0][match.first] + sizes[1][match.second] - shared
             found.append(Disagreement("outline", *ends, union - shared))
     return found
@@ -180,12 +180,12 @@ def groups(pairs: Mapping[tuple[int, int], Pairs]) -> dict[Member, int]:
                     likes.append((-iou, (one, mine), (other, theirs)))
     joined = {member: {member} for member in members}
     for _, one_end, other_end in sorted(likes):
-        here, there = joined[one_end], joined[other_end]
-        if here is there or {who for who, _ in here} & {who for who, _ in there}:
+        group, other_group = joined[one_end], joined[other_end]
+        if group is other_group or {who for who, _ in group} & {who for who, _ in other_group}:
             continue
-        here |= there
-        for member in there:
-            joined[member] = here
+        group |= other_group
+        for member in other_group:
+            joined[member] = group
     numbers: dict[Member, int] = {}
     for member in sorted(members):
         if member not in numbers:

@@ -161,9 +161,9 @@ class Projects:
 
     def selection(self, sequence: str) -> frozenset[str] | None:
         """Return the names of the selected categories of a recording's project; None: all."""
-        here = select(sequences.c.number).where(sequences.c.id == sequence, LIVE)
+        query = select(sequences.c.number).where(sequences.c.id == sequence, LIVE)
         with self._database.read() as connection:
-            return selected(connection, connection.execute(here).scalar() or 0)
+            return selected(connection, connection.execute(query).scalar() or 0)
 
 
 def _found(connection: Connection, project: str) -> Project | None:
@@ -223,14 +223,14 @@ def _check(change: Change) -> None:
 
 
 def _apply(connection: Connection, project: str, change: Change) -> None:
-    here = update(projects).where(projects.c.id == project)
+    row = update(projects).where(projects.c.id == project)
     if change.name is not None:
-        connection.execute(here.values(name=change.name))
+        connection.execute(row.values(name=change.name))
     if change.all_categories:
-        connection.execute(here.values(categories=None))
+        connection.execute(row.values(categories=None))
     elif change.categories is not None:
         _require_categories(connection, change.categories)
-        connection.execute(here.values(categories=json.dumps(sorted(set(change.categories)))))
+        connection.execute(row.values(categories=json.dumps(sorted(set(change.categories)))))
     if change.roles is not None:
         connection.execute(delete(project_roles).where(project_roles.c.project == project))
         rows = [{"project": project, "account": a, "role": r} for a, r in change.roles.items()]

@@ -146,15 +146,15 @@ class Summaries:
 
     def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Figures:
         """Return the statistics of a project except the recordings ``without``."""
-        here = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
+        is_counted = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
         with self._database.read() as connection:
-            number = connection.execute(select(func.count()).where(here)).scalar_one()
+            number = connection.execute(select(func.count()).where(is_counted)).scalar_one()
             frames = select(counts.c.sequence, counts.c.frame).distinct()
             frames = frames.join(sequences, sequences.c.number == counts.c.sequence)
-            labelled = frames.where(here, counts.c.points > 0, counts.c.label > 0).subquery()
+            labelled = frames.where(is_counted, counts.c.points > 0, counts.c.label > 0).subquery()
             count = connection.execute(select(func.count()).select_from(labelled)).scalar_one()
-            people, spent = _people(connection, here, effort)
-            classes = _classes(connection, here, spent)
+            people, spent = _people(connection, is_counted, effort)
+            classes = _classes(connection, is_counted, spent)
         return Figures(number, count, classes, people)
 
 
@@ -192,7 +192,7 @@ def _of_class(connection: Connection, wanted: str) -> ColumnElement[bool]:
 
 
 def _people(
-    connection: Connection, here: ColumnElement[bool], effort: Effort
+    connection: Connection, is_counted: ColumnElement[bool], effort: Effort
 ) -> tuple[tuple[PersonFigures, ...], dict[int, float]]:
     """Return the statistics of people, longest time first, and seconds by recording."""
     before = func.lag(edits.c.time).over(
@@ -207,7 +207,7 @@ def _people(
             case((gap.between(0, effort.idle), gap), else_=effort.first).label("seconds"),
         )
         .join(sequences, sequences.c.number == edits.c.sequence)
-        .where(here, edits.c.kind.not_in(effort.machine))
+        .where(is_counted, edits.c.kind.not_in(effort.machine))
         .subquery()
     )
     chosen = select(
@@ -229,7 +229,7 @@ def _people(
 
 
 def _classes(
-    connection: Connection, here: ColumnElement[bool], spent: dict[int, float]
+    connection: Connection, is_counted: ColumnElement[bool], spent: dict[int, float]
 ) -> tuple[ClassFigures, ...]:
     chosen = (
         select(
@@ -241,7 +241,7 @@ def _classes(
         )
         .join(counts, _OF_LABEL)
         .join(sequences, sequences.c.number == labels.c.sequence)
-        .where(here)
+        .where(is_counted)
         .group_by(labels.c.sequence, _CLASS)
     )
     rows, classes = connection.execute(chosen).all(), read_names(connection)

@@ -166,7 +166,7 @@ class Tasks:
             connection.execute(insert(tasks), rows)
             connection.execute(insert(task_events), [_event(t, 1, now, author) for t in made])
             for task in made:
-                announce(connection, project, _told(task, author), now)
+                announce(connection, project, _facts(task, author), now)
         return made
 
     def require_room(self, project: str, count: int) -> None:
@@ -238,13 +238,13 @@ class Tasks:
     def _put(self, connection: Connection, task: Task, author: str) -> Task:
         task = replace(task, changed=self._database.now(connection))
         row = _row(task)
-        here = (tasks.c.project == row.pop("project")) & (tasks.c.number == row.pop("number"))
-        connection.execute(update(tasks).where(here).values(**row))
+        is_task = (tasks.c.project == row.pop("project")) & (tasks.c.number == row.pop("number"))
+        connection.execute(update(tasks).where(is_task).values(**row))
         events = task_events.c
         own = (events.project == task.project) & (events.task == task.number)
         last = connection.execute(select(func.max(events.number)).where(own)).scalar() or 0
         connection.execute(insert(task_events), _event(task, last + 1, task.changed, author))
-        announce(connection, task.project, _told(task, author), task.changed)
+        announce(connection, task.project, _facts(task, author), task.changed)
         return task
 
     def remove(self, project: str, number: int) -> None:
@@ -374,7 +374,7 @@ def _task(row: Row[Any]) -> Task:
     )
 
 
-def _told(task: Task, author: str) -> dict[str, Any]:
+def _facts(task: Task, author: str) -> dict[str, Any]:
     names = ("number", "sequence", "first", "last", "state", "assignee", "reviewer", "note")
     return {name: getattr(task, name) for name in names} | {"by": author}
 

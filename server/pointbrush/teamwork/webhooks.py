@@ -123,10 +123,10 @@ class Webhooks:
     def remove(self, project: str, webhook: str) -> None:
         """Delete a webhook with its pending events; raises NotFoundError."""
         with self._database.write() as connection:
-            here = and_(webhooks.c.id == webhook, webhooks.c.project == project)
-            if connection.execute(select(webhooks.c.id).where(here)).first() is None:
+            is_webhook = and_(webhooks.c.id == webhook, webhooks.c.project == project)
+            if connection.execute(select(webhooks.c.id).where(is_webhook)).first() is None:
                 raise NotFoundError(f"webhook: expected one of {project!r}, got {webhook!r}")
-            forget_webhooks(connection, here)
+            forget_webhooks(connection, is_webhook)
 
     def deliveries(self, project: str, webhook: str) -> list[Delivery]:
         """Return the newest events of a webhook, newest first."""
@@ -173,10 +173,10 @@ class Webhooks:
             key = str(uuid.uuid5(uuid.NAMESPACE_OID, f"{webhook.id} {number} {revision}"))
             if rows:
                 self._put(connection, webhook, key, "labels", body, now)
-            here = and_(
+            is_cursor = and_(
                 webhook_cursors.c.webhook == webhook.id, webhook_cursors.c.sequence == number
             )
-            connection.execute(delete(webhook_cursors).where(here))
+            connection.execute(delete(webhook_cursors).where(is_cursor))
             row = {"webhook": webhook.id, "sequence": number, "revision": revision}
             connection.execute(insert(webhook_cursors, sqlite=self._database.sqlite).values(row))
 
@@ -247,14 +247,14 @@ class Webhooks:
                 ).all()
             ]
 
-    def told(self, delivery: Delivery, error: str = "") -> None:
+    def note_delivery(self, delivery: Delivery, error: str = "") -> None:
         """Record the delivery of an event, or its error and the time of the retry."""
-        here = webhook_events.c.id == delivery.id
+        is_event = webhook_events.c.id == delivery.id
         with self._database.write() as connection:
             now = self._database.now(connection)
             wait = min(FIRST_WAIT * 2 ** (delivery.attempts - 1), LONGEST_WAIT)
             values = {"error": error, "due": now + wait} if error else {"delivered": now}
-            connection.execute(update(webhook_events).where(here).values(**values))
+            connection.execute(update(webhook_events).where(is_event).values(**values))
             old = webhook_events.c.created < now - KEPT_SECONDS
             connection.execute(delete(webhook_events).where(old))
 
@@ -286,7 +286,7 @@ def _moved_on(connection: Connection, webhook: Webhook) -> list[tuple[int, str, 
         select(
             sequences.c.number,
             sequences.c.id,
-            webhook_cursors.c.revision.label("told"),
+            webhook_cursors.c.revision.label("sent"),
             sequences.c.revision,
         )
         .join(webhook_cursors, at, isouter=True)
@@ -295,18 +295,18 @@ def _moved_on(connection: Connection, webhook: Webhook) -> list[tuple[int, str, 
     )
     rows = connection.execute(chosen).all()
     # Without a cursor, edits from before the webhook are excluded by their time.
-    return [(row.number, row.id, row.told or 0, row.revision) for row in rows]
+    return [(row.number, row.id, row.sent or 0, row.revision) for row in rows]
 
 
 def _event_row(
     webhook: str, project: str, key: str, topic: Topic, body: Mapping[str, Any], now: float
 ) -> dict[str, Any]:
-    told = {"id": key, "type": topic, "project": project, "time": now, topic: dict(body)}
+    event = {"id": key, "type": topic, "project": project, "time": now, topic: dict(body)}
     return {
         "id": key,
         "webhook": webhook,
         "topic": topic,
-        "body": json.dumps(told),
+        "body": json.dumps(event),
         "created": now,
         "due": now,
         "attempts": 0,

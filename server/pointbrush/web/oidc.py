@@ -184,7 +184,7 @@ class Provider:
             headers["Authorization"] = f"Basic {base64.b64encode(pair.encode()).decode()}"
         elif self._secret:
             form["client_secret"] = self._secret
-        with _asked():
+        with _provider_call():
             address, body = endpoints["token_endpoint"], urlencode(form).encode()
             answer = exchange("POST", address, BOUNDS, headers=headers, body=body)
             if 400 <= answer.status < 500:
@@ -263,9 +263,9 @@ class Provider:
                     return known
                 self._tried, mine = now, Future[_Known]()
                 self._reading = mine
-        return reading.result() if reading is not None else self._read_again(mine, known, now)
+        return reading.result() if reading is not None else self._refresh(mine, known, now)
 
-    def _read_again(self, reading: Future[_Known], known: _Known | None, now: float) -> _Known:
+    def _refresh(self, reading: Future[_Known], known: _Known | None, now: float) -> _Known:
         """Read the provider's description and keys for all callers that wait."""
         try:
             reading.set_result(self._read(now))
@@ -282,7 +282,7 @@ class Provider:
 
     def _read(self, now: float) -> _Known:
         """Ask the provider for its description and keys."""
-        with _asked():
+        with _provider_call():
             described = _fetch(f"{self._issuer.rstrip('/')}/.well-known/openid-configuration")
             if described.get("issuer") != self._issuer:
                 raise ValueError(f"issuer {described.get('issuer')!r}")
@@ -304,7 +304,7 @@ def _fetch(address: str) -> dict[str, Any]:
 
 
 @contextmanager
-def _asked() -> Iterator[None]:
+def _provider_call() -> Iterator[None]:
     """Raise UnavailableError if the provider does not answer or answers invalid data."""
     try:
         yield

@@ -26,7 +26,7 @@ class ReadyProbe:
         self.stopping = False
         """The server takes no new work because it is about to end."""
         self._known: dict[str, str | None] = {}
-        self._asked = float("-inf")
+        self._checked = float("-inf")
         self._asking = asyncio.Lock()
 
     async def ask(self) -> dict[str, str | None]:
@@ -34,10 +34,10 @@ class ReadyProbe:
         if self.stopping:
             return {"server": "it is stopping"}
         async with self._asking:
-            if time.monotonic() - self._asked > FRESH_SECONDS:
+            if time.monotonic() - self._checked > FRESH_SECONDS:
                 answers = await asyncio.gather(*(part.ask() for part in self._parts.values()))
                 self._known = dict(zip(self._parts, answers, strict=True))
-                self._asked = time.monotonic()
+                self._checked = time.monotonic()
             return self._known
 
 

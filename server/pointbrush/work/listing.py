@@ -201,13 +201,13 @@ class Listing:
         if not known and not files:
             raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
         if not files:
-            return [LABELS_ALONE, *_told(lambda: self._store.check(sequence))]
+            return [LABELS_ALONE, *_problems(lambda: self._store.check(sequence))]
         look = self._library.look(sequence)
         missing = self._labels_missing(look.manifest)
         damaged = look.damaged or (f"its {LABELS_MISSING}: {missing}" if missing else None)
-        problems = _told(lambda: verify(self._library.store.files(sequence)))
+        problems = _problems(lambda: verify(self._library.store.files(sequence)))
         if known:
-            problems += _told(lambda: self._store.check(sequence), "its labels")
+            problems += _problems(lambda: self._store.check(sequence), "its labels")
         return problems if damaged is None else [damaged, *problems]
 
     def repair(self, sequences: Iterable[str]) -> Repaired:
@@ -228,7 +228,7 @@ class Listing:
                 continue
             done.lost += [
                 f"{sequence}: {line}; import it again or restore it from a backup"
-                for line in _told(partial(self._repair_files, sequence, done))
+                for line in _problems(partial(self._repair_files, sequence, done))
             ]
         return done
 
@@ -242,7 +242,7 @@ class Listing:
         return verify(files)
 
 
-def _told(look: Callable[[], list[str]], part: str = "") -> list[str]:
+def _problems(look: Callable[[], list[str]], part: str = "") -> list[str]:
     """Return the findings of ``look``; an error in it is a finding too, as damage can cause any.
 
     Raises ReadOnlyError, and UnavailableError without a ``part``.

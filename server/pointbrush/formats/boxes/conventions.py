@@ -125,8 +125,8 @@ def box_by(
 ) -> FrameBox:
     """Make a box of the numbers that a tool has for it; ``name`` and ``key`` as of FrameBox."""
     center, own, rotation = CONVENTIONS[tool].decode(place, size, np.atleast_1d(turn))
-    told = attributes or {}
-    return FrameBox(name, key, center, own, rotation, attributes=told, margin=margin)
+    given = attributes or {}
+    return FrameBox(name, key, center, own, rotation, attributes=given, margin=margin)
 
 
 def numbers_by(tool: str, box: FrameBox) -> tuple[list[float], list[float], list[float]]:

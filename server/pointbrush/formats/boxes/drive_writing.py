@@ -124,13 +124,13 @@ class _Tables:
 
     def _annotate(self, frame: SceneFrame, box: FrameBox, points: int) -> None:
         token, place = self._scene.token, numbers_by("nuscenes", box)
-        told = dict(box.attributes)
-        seen = told.pop("visibility", None)
+        attributes = dict(box.attributes)
+        seen = attributes.pop("visibility", None)
         row = {
             "token": token(f"annotation {frame.index}", box.label),
             "sample_token": token("sample", frame.index),
             "instance_token": token("object", box.label),
-            "attribute_tokens": [self._attribute(*each) for each in told.items()],
+            "attribute_tokens": [self._attribute(*each) for each in attributes.items()],
             "visibility_token": str(LEVELS.index(str(seen)) + 1) if seen in LEVELS else "",
             **dict(zip(("translation", "size", "rotation"), place, strict=True)),
             "num_lidar_pts": points,

@@ -72,8 +72,8 @@ def read_nuscenes_boxes(path: Path) -> Iterator[FrameBoxes]:
         place, size = (vector(row[field], range(3)) for field in ("translation", "size"))
         turn, key = vector(row["rotation"], range(4)), str(row["instance_token"])
         name = str(category[instance[key]["category_token"]]["name"])
-        told = _attributes(row, attribute, visibility)
-        box = box_by("nuscenes", name, key, place, size, turn, attributes=told)
+        attributes = _attributes(row, attribute, visibility)
+        box = box_by("nuscenes", name, key, place, size, turn, attributes=attributes)
         samples.setdefault(row["sample_token"], []).append(box)
     for scan in tables.data:
         if scan.get("is_key_frame") and Path(str(scan.get("filename"))).parent.name == SCANNER:
@@ -88,10 +88,12 @@ def _attributes(
     """Read the attributes of an annotation by their tables, ``vehicle.parked``; the level of its
     visibility is one of them."""
     tokens = row.get("attribute_tokens") or []
-    told = dict(of_dotted(str(attribute[token]["name"])) for token in tokens if token in attribute)
+    attributes = dict(
+        of_dotted(str(attribute[token]["name"])) for token in tokens if token in attribute
+    )
     if (seen := str(row.get("visibility_token"))) in visibility:
-        told["visibility"] = str(visibility[seen]["level"])
-    return told
+        attributes["visibility"] = str(visibility[seen]["level"])
+    return attributes
 
 
 def read_waymo(path: Path) -> Iterator[FrameBoxes]:

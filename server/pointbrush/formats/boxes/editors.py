@@ -67,8 +67,8 @@ def read_sustechpoints(path: Path) -> Iterator[FrameBoxes]:
     for entry in entries:
         key, name = str(entry.get("obj_id") or ""), str(entry["obj_type"])
         parts = (vector(entry["psr"][field]) for field in PSR)
-        told = of_text(str(entry.get("obj_attr") or ""))
-        boxes.append(box_by("sustechpoints", name, key, *parts, attributes=told))
+        attributes = of_text(str(entry.get("obj_attr") or ""))
+        boxes.append(box_by("sustechpoints", name, key, *parts, attributes=attributes))
     yield FrameBoxes(None, tuple(boxes))
 
 

@@ -129,8 +129,8 @@ def with_one_name(found: Sequence[Sequence[FrameBoxes]]) -> list[list[FrameBoxes
     repeated = {"", *(key for (_, key), count in times.items() if count > 1)}
     several = {k: n for k, n in names.items() if len(n) > 1 and k not in repeated}
     for key, counts in several.items():
-        told = ", ".join(f"{name} in {count} frames" for name, count in counts.most_common())
-        log.warning("object %s has several classes and is read as one object: %s", key, told)
+        summary = ", ".join(f"{name} in {count} frames" for name, count in counts.most_common())
+        log.warning("object %s has several classes and is read as one object: %s", key, summary)
     new = {key: counts.most_common(1)[0][0] for key, counts in several.items()}
 
     def renamed(part: FrameBoxes) -> FrameBoxes:
@@ -195,9 +195,9 @@ def points_of(
         if no_ground:
             inside &= ~_ground(box, xyz, up)
         rows = np.flatnonzero(inside)
-        away = np.linalg.norm(xyz[rows] - box.center, axis=1)
-        closer = rows[away < nearest[rows]]
-        which[closer], nearest[closer] = number, away[away < nearest[rows]]
+        distance = np.linalg.norm(xyz[rows] - box.center, axis=1)
+        closer = rows[distance < nearest[rows]]
+        which[closer], nearest[closer] = number, distance[distance < nearest[rows]]
     return which
 
 

@@ -77,10 +77,12 @@ def _box(tool: str, words: list[str], key: str, most_truncated: float = 1.0) -> 
     A negative truncation or occlusion is unknown: the box lacks the attribute.
     """
     numbers = np.array([float(word) for word in words[8:15]])
-    told = {name: float(words[place]) for name, place in ATTRIBUTES.items()}
-    told["truncated"] /= most_truncated
-    told = {name: value for name, value in told.items() if value >= 0}
-    return box_by(tool, words[0], key, numbers[3:6], numbers[:3], numbers[6:], attributes=told)
+    attributes = {name: float(words[place]) for name, place in ATTRIBUTES.items()}
+    attributes["truncated"] /= most_truncated
+    attributes = {name: value for name, value in attributes.items() if value >= 0}
+    return box_by(
+        tool, words[0], key, numbers[3:6], numbers[:3], numbers[6:], attributes=attributes
+    )
 
 
 def read_kitti_tracklets(path: Path) -> Iterator[FrameBoxes]:

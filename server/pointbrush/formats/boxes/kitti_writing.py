@@ -148,9 +148,9 @@ def _object(box: FrameBox, camera: _Rectified, *, levels: bool = False) -> str:
     alpha = UNKNOWN_ALPHA if camera.P is None else turn - np.arctan2(place[0], place[2])
     if camera.P is not None:
         alpha = (alpha + np.pi) % (2 * np.pi) - np.pi
-    told = f"{truncated:.0f}" if levels else f"{truncated:.4f}"
+    truncation = f"{truncated:.0f}" if levels else f"{truncated:.4f}"
     numbers = _numbers([alpha, *picture, *size, *place, turn], 6)
-    return f"{'_'.join(box.name.split()) or 'Misc'} {told} {occluded} {numbers}"
+    return f"{'_'.join(box.name.split()) or 'Misc'} {truncation} {occluded} {numbers}"
 
 
 def _number(value: AttributeValue | None, otherwise: float | None) -> float | None:

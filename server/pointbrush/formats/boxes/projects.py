@@ -56,13 +56,13 @@ def _figures(entries: Any, objects: Mapping[str, Any], index: int) -> Iterator[F
 
 def _tags(entry: Mapping[str, Any], index: int) -> dict[str, AttributeValue]:
     """Read the tags that an object has in a frame; one without a value is true."""
-    told: dict[str, AttributeValue] = {}
+    tags: dict[str, AttributeValue] = {}
     for tag in entry.get("tags") or []:
         first, last = tag.get("frameRange") or (index, index)
         if first <= index <= last:
             value = tag.get("value")
-            told[str(tag["name"])] = True if value is None else value_of(str(value))
-    return told
+            tags[str(tag["name"])] = True if value is None else value_of(str(value))
+    return tags
 
 
 def read_datumaro(path: Path) -> Iterator[FrameBoxes]:
@@ -75,20 +75,20 @@ def read_datumaro(path: Path) -> Iterator[FrameBoxes]:
             if entry["type"] != "cuboid_3d":
                 continue
             parts = (vector(entry[key], range(3)) for key in ("position", "scale", "rotation"))
-            told = dict(entry.get("attributes", {}))
-            key, name = str(told.pop("track_id", "")), labels[int(entry["label_id"])]
-            boxes.append(box_by("datumaro", name, key, *parts, attributes=_stated(told)))
+            attributes = dict(entry.get("attributes", {}))
+            key, name = str(attributes.pop("track_id", "")), labels[int(entry["label_id"])]
+            boxes.append(box_by("datumaro", name, key, *parts, attributes=_stated(attributes)))
         yield FrameBoxes(str(item["id"]), tuple(boxes))
 
 
 def _stated(attributes: Mapping[str, Any]) -> dict[str, AttributeValue]:
     """Keep the attributes that differ from the defaults, numbers as float."""
-    told = {
+    stated = {
         name: value if isinstance(value, str | bool) else float(value)
         for name, value in attributes.items()
         if isinstance(value, str | bool | int | float)
     }
-    return {name: value for name, value in told.items() if SILENT.get(name) is not value}
+    return {name: value for name, value in stated.items() if SILENT.get(name) is not value}
 
 
 def read_segments(path: Path) -> Iterator[FrameBoxes]:
@@ -105,10 +105,10 @@ def read_segments(path: Path) -> Iterator[FrameBoxes]:
         label = next(iter((sample.get("labels") or {}).values()), None)
         if not label or not label.get("attributes"):
             continue
-        name, told = str(sample["name"]), _of_lidar(path.name, label["attributes"])
-        if "frames" not in told:
+        name, attributes = str(sample["name"]), _of_lidar(path.name, label["attributes"])
+        if "frames" not in attributes:
             alone = "" if len(samples) == 1 else f"{name} "
-            yield FrameBoxes(name, _annotated(path.name, told, categories, alone))
+            yield FrameBoxes(name, _annotated(path.name, attributes, categories, alone))
             continue
         if len(samples) > 1:
             raise BadInputError(
@@ -116,7 +116,7 @@ def read_segments(path: Path) -> Iterator[FrameBoxes]:
                 f"{name[:40]!r} is one"
             )
         files = _of_lidar(path.name, sample["attributes"])["frames"]
-        for index, (entry, file) in enumerate(zip(told["frames"], files, strict=True)):
+        for index, (entry, file) in enumerate(zip(attributes["frames"], files, strict=True)):
             frame = str(file["name"]) if file.get("name") else index
             yield FrameBoxes(frame, _annotated(path.name, entry or {}, categories, f"{index} "))
 
@@ -180,5 +180,7 @@ def _cuboid(entry: Mapping[str, Any], name: str) -> Figure:
     if entry.get("rotation"):
         tool, turn = "segments", vector(entry["rotation"], ("qx", "qy", "qz", "qw"))
     place, size = vector(entry["position"]), vector(entry["dimensions"])
-    told = _stated(entry.get("attributes") or {})
-    return box_by(tool, name, str(entry.get("track_id") or ""), place, size, turn, attributes=told)
+    stated = _stated(entry.get("attributes") or {})
+    return box_by(
+        tool, name, str(entry.get("track_id") or ""), place, size, turn, attributes=stated
+    )

@@ -48,8 +48,8 @@ def write_labelcloud(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[Fil
         {"name": name, "id": number, "color": color}
         for number, (name, color) in enumerate(scene.classes.items())
     ]
-    told = {"type": "object_detection", "format": "centroid_abs", "default": 0}
-    yield _json("labels/_classes.json", {"classes": classes, **told})
+    description = {"type": "object_detection", "format": "centroid_abs", "default": 0}
+    yield _json("labels/_classes.json", {"classes": classes, **description})
 
 
 def write_sustechpoints(frames: Iterable[SceneFrame], _: Scene) -> Iterator[File]:

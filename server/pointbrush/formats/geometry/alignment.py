@@ -91,8 +91,8 @@ class _Surface:
     def distances(self, probes: Points) -> Points:
         """Return the distance (n,) of each probe to its nearest point's plane, NaN without one."""
         far = self._options.far
-        away, nearest = self._tree.query(probes, distance_upper_bound=far)
-        found = np.isfinite(away)
+        distances, nearest = self._tree.query(probes, distance_upper_bound=far)
+        found = np.isfinite(distances)
         nearest = np.where(found, nearest, 0)
         offsets = probes - self._xyz[nearest]
         planar = np.abs(np.einsum("ij,ij->i", offsets, self._normals[nearest]))

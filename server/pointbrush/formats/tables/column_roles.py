@@ -120,11 +120,11 @@ def with_meanings(
         return columns
     meaning = meanings(list(columns), options.chosen.columns, name)
     # A meaning that the user gave to one column replaces another column of that name.
-    said = {new for old, new in meaning.items() if new != old}
+    renamed = {new for old, new in meaning.items() if new != old}
     return {
         meaning[old]: values
         for old, values in columns.items()
-        if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in said)
+        if meaning[old] != LEFT_OUT and not (meaning[old] == old and old in renamed)
     }
 
 

@@ -87,8 +87,8 @@ class Corrections:
     @property
     def separator(self) -> str | None:
         """The character between values of a text, None for runs of spaces or without a choice."""
-        said = DELIMITERS.get(self.delimiter or "", self.delimiter)
-        return None if said == " " else said
+        separator = DELIMITERS.get(self.delimiter or "", self.delimiter)
+        return None if separator == " " else separator
 
     @property
     def poses_file(self) -> Path | None:

@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 NO_LABEL = (-1, -100, 65535, 4294967295)
 """Numbers that mark "none" in labels and instances."""
 GREATEST_INSTANCE = 65535
-TOLD = 8
+MOST_LISTED = 8
 """Most numbers in the list of a warning."""
 
 
@@ -61,11 +61,11 @@ def instances_of(name: str, values: Array) -> NDArray[np.uint16] | None:
         outside = (values < 0) | (values > GREATEST_INSTANCE)
         if outside.any():
             numbers = np.unique(values[outside])
-            listed = ", ".join(f"{number:.10g}" for number in numbers[:TOLD])
+            listed = ", ".join(f"{number:.10g}" for number in numbers[:MOST_LISTED])
             log.warning(
                 "%s: expected instance numbers 0 to %d; %d points of %d other numbers (%s%s) have "
                 "no instance", name, GREATEST_INSTANCE, np.count_nonzero(outside), len(numbers),
-                listed, ", …" * (len(numbers) > TOLD),
+                listed, ", …" * (len(numbers) > MOST_LISTED),
             )  # fmt: skip
             values = np.where(outside, 0, values)
             if not values.any():

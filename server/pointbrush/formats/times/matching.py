@@ -163,13 +163,13 @@ def partners(
     found = matched(frames, files, near)
     if frames and all(file is None for file in found):
         raise BadInputError(
-            f"expected files with the names, times or numbers of the frames ({_told(frames)}), got "
-            f"{_told(files)}; {BY_ORDER}"
+            "expected files with the names, times or numbers of the frames "
+            f"({_listed(frames)}), got {_listed(files)}; {BY_ORDER}"
         )
     return found
 
 
-def _told(names: Sequence[FrameName]) -> str:
+def _listed(names: Sequence[FrameName]) -> str:
     known = [name.file for name in names if name.file]
     return listed(known) or f"{len(names)} of {names[0].time:g} s on" if names else "none"
 
@@ -245,18 +245,18 @@ def _by_time(
 ) -> list[int | None]:
     """Match files to the frames nearest in time, at most ``near`` seconds away."""
     known = [(index, time) for index, time in enumerate(_seconds(frames)) if time is not None]
-    asked = [(place, time) for place, time in enumerate(_seconds(files)) if time is not None]
+    timed = [(place, time) for place, time in enumerate(_seconds(files)) if time is not None]
     found: list[int | None] = [None] * len(files)
-    if not known or not asked:
+    if not known or not timed:
         return found
-    at, wanted = (np.array([time for _, time in rows]) for rows in (known, asked))
+    at, wanted = (np.array([time for _, time in rows]) for rows in (known, timed))
     order = np.argsort(at, kind="stable")
     after = np.searchsorted(at[order], wanted)
     sides = order[np.stack([after - 1, after]).clip(0, len(at) - 1)]
     apart = np.abs(at[sides] - wanted)
     best = sides[apart.argmin(axis=0), np.arange(len(wanted))]
-    for (place, _), frame, away in zip(asked, best.tolist(), apart.min(axis=0), strict=True):
-        found[place] = known[frame][0] if away <= near else None
+    for (place, _), frame, offset in zip(timed, best.tolist(), apart.min(axis=0), strict=True):
+        found[place] = known[frame][0] if offset <= near else None
     return found
 
 

@@ -156,8 +156,8 @@ def order_of(files: Sequence[Path], folder: Path, times: Sequence[float] | None)
         found = map(_time_match, stems)
         stems = [s.replace(m[0], "", 1) if m else s for s, m in zip(stems, found, strict=True)]
     numbered = len({re.sub(r"\d+", "", stem) for stem in stems}) == 1
-    told = len(set(stems)) == len(stems)
-    return order_by_time(times, source, BY_NUMBER, numbered=numbered if told else None)
+    distinct = len(set(stems)) == len(stems)
+    return order_by_time(times, source, BY_NUMBER, numbered=numbered if distinct else None)
 
 
 def read_times(path: Path, names: Sequence[str]) -> list[float]:
@@ -170,7 +170,7 @@ def read_times(path: Path, names: Sequence[str]) -> list[float]:
     bare: list[float] = []
     by_name: dict[str, float] = {}
     known = {composed(name): name for name in names}
-    known |= {Path(name).stem: told for name, told in known.items()}
+    known |= {Path(name).stem: seconds for name, seconds in known.items()}
     for number, line in enumerate(path.read_text("utf-8", "replace").splitlines(), start=1):
         words = line.replace(",", " ").replace(";", " ").replace("\t", " ").split()
         if not words or words[0].startswith("#"):

@@ -27,7 +27,7 @@ def write_labels_only(frames: Iterable[ExportFrame], palette: Palette, output: O
     Rows of invalid points, which the import left out, are included without a label.
     ``manifest.json`` has the counts, and size and SHA-256 of each file.
     """
-    told: list[dict[str, Any]] = []
+    frames_written: list[dict[str, Any]] = []
     for frame in frames:
         files: dict[str, Any] = {}
         labelled = 0
@@ -43,7 +43,7 @@ def write_labels_only(frames: Iterable[ExportFrame], palette: Palette, output: O
                     write_column(cast(BinaryIO, hashed), table)
                 files[name] = {"bytes": hashed.count, "sha256": hashed.digest}
                 rows = table.count
-        told.append(
+        frames_written.append(
             {
                 "frame": frame.index,
                 "rows": rows,
@@ -59,7 +59,7 @@ def write_labels_only(frames: Iterable[ExportFrame], palette: Palette, output: O
         "version": 1,
         "rows": "one for every row of the source, in its order, invalid points too; an import of "
         "before rows were kept has its invalid points left out (left_out)",
-        "frames": told,
+        "frames": frames_written,
     }
     with output.file(MANIFEST) as file:
         file.write(json.dumps(document, indent=1).encode())

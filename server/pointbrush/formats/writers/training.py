@@ -42,7 +42,7 @@ FEWEST = 5
 class _Scenes:
     """The frames of a recording with splits and names of their scenes, in common coordinates.
 
-    ``T_export_source`` (4, 4) and ``told`` are available after the iteration.
+    ``T_export_source`` (4, 4) and ``facts`` are available after the iteration.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class _Scenes:
             self.names[split].append(name)
             yield frame, split, name
 
-    def told(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """Return the entries for ``export.json``."""
         split = {"by": self._split.by, **self.names}
         return {"split": split, PLACEMENT: self.T_export_source.tolist()}
@@ -93,7 +93,7 @@ def write_pointcept(
                 with output.file(f"{folder}/{column}.npy") as file:
                     write_column(file, table)
     write_palette(palette, output)
-    return scenes.told()
+    return scenes.facts()
 
 
 def _places(palette: Palette) -> NDArray[np.int16]:
@@ -152,7 +152,7 @@ def write_openpcdet(
         with output.file(f"ImageSets/{split}.txt") as file:
             file.write("".join(f"{name}\n" for name in names).encode())
     write_palette(palette, output)
-    return scenes.told()
+    return scenes.facts()
 
 
 def _box_lines(boxes: Mapping[int, list[Matrix]], palette: Palette) -> Iterator[str]:

@@ -23,25 +23,25 @@ def write_whole_boxes(
     kind: BoxWriting, frames: Iterable[ExportFrame], palette: Palette, output: Output
 ) -> dict[str, Any]:
     """Write the boxes of frames in a format; return the times and placement of the frames."""
-    told: dict[str, Any] = {"extent": "whole", TIMES: {}}
+    manifest: dict[str, Any] = {"extent": "whole", TIMES: {}}
     waiting = iter(frames)
     first = next(waiting, None)
     if first is None:
-        return told
+        return manifest
 
     def counted() -> Iterator[SceneFrame]:
         for frame in chain([first], waiting):
             with_points = _counted(frame)
-            told[TIMES][frame.index] = with_points.time
+            manifest[TIMES][frame.index] = with_points.time
             if kind.level:
-                told.setdefault(PLACEMENT, ego_from_source(with_points).tolist())
+                manifest.setdefault(PLACEMENT, ego_from_source(with_points).tolist())
             yield with_points
 
     for name, content in kind.write(counted(), scene_of(palette, first.recording)):
         with output.file(name) as file:
             file.write(content)
     write_palette(palette, output)
-    return told
+    return manifest
 
 
 def scene_of(palette: Palette, recording: str) -> Scene:

@@ -10,7 +10,7 @@ from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels.boxes import journal as box_journal
 from pointbrush.labels.boxes.attributes import check_given
-from pointbrush.labels.boxes.maps import asked, box_of, fields_of
+from pointbrush.labels.boxes.maps import box_of, change_of, fields_of
 from pointbrush.labels.classes.taxonomy import Taxonomy
 from pointbrush.labels.draft import Draft
 from pointbrush.labels.journal import Entry
@@ -106,11 +106,11 @@ class Boxes:
         *,
         edit_id: str | None = None,
     ) -> Made:
-        """Change ``size``, ``label``, ``attributes`` or ``poses``; see ``box_maps.asked``."""
+        """Change ``size``, ``label``, ``attributes`` or ``poses``; see ``maps.change_of``."""
         poses = [pose for pose in change.get("poses", {}).values() if pose is not None]
         attributes = [pose.get("attributes", {}) for pose in poses]
         self._check(change.get("attributes", {}), attributes)
-        apply = asked(change)
+        apply = change_of(change)
 
         def draw(draft: Draft) -> str:
             old = _require(draft, box)

@@ -214,8 +214,8 @@ def turn(draft: Draft, edit: Row[Any], kind: str) -> None:
     if not edit.boxes:
         return
     connection, number = draft.connection, draft.state.number
-    here = and_(edit_boxes.c.sequence == number, edit_boxes.c.revision == edit.revision)
-    ids = set(connection.execute(select(edit_boxes.c.box).where(here)).scalars())
+    is_edit = and_(edit_boxes.c.sequence == number, edit_boxes.c.revision == edit.revision)
+    ids = set(connection.execute(select(edit_boxes.c.box).where(is_edit)).scalars())
     before = stored(connection, number, ids=ids)
     for box, after in fold(connection, number, ids).items():
         old = before.get(box)

@@ -52,7 +52,7 @@ def _pose_fields(pose: BoxPose) -> Fields:
 
 def box_of(number: int, fields: Mapping[str, Any]) -> OrientedBox:
     """Build the box ``number`` from its fields; raises BadInputError."""
-    poses = {int(frame): _pose_of(told) for frame, told in fields["poses"].items()}
+    poses = {int(frame): _pose_of(pose) for frame, pose in fields["poses"].items()}
     size = _floats("size", fields["size"])
     if not size.max(initial=0) <= LONGEST_SIDE:
         raise BadInputError(f"size: expected at most {LONGEST_SIDE:,.0f} m, got {size.tolist()}")
@@ -69,11 +69,11 @@ def box_of(number: int, fields: Mapping[str, Any]) -> OrientedBox:
     )
 
 
-def _pose_of(told: Mapping[str, Any]) -> BoxPose:
-    missing = [name for name in ("centre", "quaternion") if name not in told]
+def _pose_of(pose: Mapping[str, Any]) -> BoxPose:
+    missing = [name for name in ("centre", "quaternion") if name not in pose]
     if missing:
         raise BadInputError(f"poses: expected centre and quaternion, got no {missing[0]}")
-    centre, quaternion = (_floats(name, told[name]) for name in ("centre", "quaternion"))
+    centre, quaternion = (_floats(name, pose[name]) for name in ("centre", "quaternion"))
     if not np.abs(centre).max(initial=0) <= FARTHEST:
         raise BadInputError(f"centre: expected at most {FARTHEST:g} m, got {centre.tolist()}")
     norm = float(np.linalg.norm(quaternion))
@@ -82,9 +82,9 @@ def _pose_of(told: Mapping[str, Any]) -> BoxPose:
     return BoxPose(
         centre,
         quaternion,
-        told.get("provenance", "drawn"),
-        float(told.get("confidence", 1.0)),
-        check_attributes(told.get("attributes", {})),
+        pose.get("provenance", "drawn"),
+        float(pose.get("confidence", 1.0)),
+        check_attributes(pose.get("attributes", {})),
     )
 
 
@@ -150,7 +150,7 @@ def _merged(old: Mapping[str, Any], news: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in {**old, **news}.items() if value is not None}
 
 
-def asked(change: Mapping[str, Any]) -> Callable[[Fields], Fields]:
+def change_of(change: Mapping[str, Any]) -> Callable[[Fields], Fields]:
     """Return a function that applies a requested change to the fields of a box.
 
     A pose may have some of its fields; the others keep their values.  The provenance of a pose and

@@ -11,7 +11,7 @@ from typing import Any
 from sqlalchemy import and_, bindparam, delete, func, insert, or_, select
 from sqlalchemy.engine import Connection
 
-from pointbrush.database.class_names import AGAIN, DELETED, read_names
+from pointbrush.database.class_names import DELETED, KEY_SUFFIX, read_names
 from pointbrush.database.schema import categories, dataset_numbers, labels, sequences
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.formats.tables.numbering import Numbering, official_numbers, plain
@@ -208,7 +208,7 @@ class Classes:
 
     def _free_key(self, name: str) -> str:
         while name in self._keys:
-            name += AGAIN
+            name += KEY_SUFFIX
         return name
 
     @cached_property
@@ -275,10 +275,10 @@ def _read(connection: Connection) -> Iterator[Category]:
         )
 
 
-def _size(told: str | None) -> Size | None:
-    if told is None:
+def _size(stored: str | None) -> Size | None:
+    if stored is None:
         return None
-    length, width, height = json.loads(told)
+    length, width, height = json.loads(stored)
     return length, width, height
 
 

@@ -84,7 +84,7 @@ class FreeIds:
 
         Raises ConflictError if no id is left.
         """
-        number = wished if self._fits(wished, called) else self._again(called) or self._next()
+        number = wished if self._fits(wished, called) else self._repeated(called) or self._next()
         self._taken.add(number)
         self._highest = max(self._highest, number)
         return number
@@ -93,7 +93,7 @@ class FreeIds:
         free = 1 <= number <= HIGHEST and number not in self._taken
         return free and self._given.get(number, called) == called
 
-    def _again(self, called: Called) -> int:
+    def _repeated(self, called: Called) -> int:
         before = self._before.get(called, [])
         while before:
             if self._fits(number := before.pop(), called):
@@ -223,10 +223,10 @@ def as_last_made(
         .where(edit_labels.c.sequence == number, edit_labels.c.label == label_id, last)
         .order_by(edit_labels.c.revision)
     )
-    told = [(json.loads(fields), state in IN_FORCE) for fields, state in rows]
-    made = max((at for at, (fields, _) in enumerate(told) if fields.get("exists")), default=0)
+    versions = [(json.loads(fields), state in IN_FORCE) for fields, state in rows]
+    made = max((at for at, (fields, _) in enumerate(versions) if fields.get("exists")), default=0)
     merged: dict[str, Any] = {}
-    for at, (fields, in_force) in enumerate(told):
+    for at, (fields, in_force) in enumerate(versions):
         if in_force or at == made:
             merged.update(fields)
     return _label(label_id, merged, classes)
@@ -242,8 +242,8 @@ def given_ids(connection: Connection, number: int, classes: ClassNames) -> dict[
     called: dict[int, Called] = {}
     for label_id, fields in rows:
         before = called.get(label_id, ("", ""))
-        told = classes.read(json.loads(fields))
-        called[label_id] = told.get("name", before[0]), told.get("category", before[1])
+        given = classes.read(json.loads(fields))
+        called[label_id] = given.get("name", before[0]), given.get("category", before[1])
     return called
 
 

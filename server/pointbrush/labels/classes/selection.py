@@ -13,14 +13,14 @@ from pointbrush.database.schema import PROJECT_OF, categories, sequences
 from pointbrush.errors import BadInputError
 from pointbrush.labels.types import Label
 
-TOLD = 20
+MOST_LISTED = 20
 """Limit of categories listed in an error."""
 
 
 def selected(connection: Connection, sequence: int) -> frozenset[str] | None:
     """Return the names of the selected categories of a recording's project; None: all."""
-    here = select(projects.c.categories).join(sequences, projects.c.id == PROJECT_OF)
-    chosen = connection.execute(here.where(sequences.c.number == sequence)).scalar()
+    query = select(projects.c.categories).join(sequences, projects.c.id == PROJECT_OF)
+    chosen = connection.execute(query.where(sequences.c.number == sequence)).scalar()
     if chosen is None:
         return None
     numbers, names = set(json.loads(chosen)), read_names(connection)
@@ -39,7 +39,7 @@ def allowed(
 def require_allowed(categories: frozenset[str] | None, wanted: str) -> None:
     """Raise BadInputError unless labels may have the category ``wanted``."""
     if categories is not None and wanted not in categories:
-        named = ", ".join(sorted(categories - {""})[:TOLD]) or "none"
+        named = ", ".join(sorted(categories - {""})[:MOST_LISTED]) or "none"
         raise BadInputError(
             f"category: expected one that the project has selected ({named}), got {wanted!r}"
         )

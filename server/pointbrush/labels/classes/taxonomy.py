@@ -25,7 +25,7 @@ from pointbrush.names import composed, require_visible
 
 LONGEST = 256
 """Longest name, characters."""
-TOLD = 5
+MOST_LISTED = 5
 """Limit of recordings listed in an error."""
 _DATASET = re.compile("[a-z0-9][a-z0-9-]{0,63}")
 T = TypeVar("T")
@@ -184,7 +184,9 @@ class Taxonomy:
         with self._changing() as classes:
             entry = classes.require(number)
             if used := classes.labels_of(entry):
-                named = ", ".join(sorted(used)[:TOLD]) + (", …" if len(used) > TOLD else "")
+                named = ", ".join(sorted(used)[:MOST_LISTED]) + (
+                    ", …" if len(used) > MOST_LISTED else ""
+                )
                 raise ConflictError(
                     f"category: expected one that no label uses, '{entry.name}' has "
                     f"{sum(used.values())} labels (recordings: {named}); merge it into another one"

@@ -85,9 +85,9 @@ def _fitted(lens: Lens, xyz: NDArray[np.float32], step: float) -> Lattice | None
 def _line(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
     """Slope and start of the line nearest to points (N,) by least squares."""
     middle = x.mean()
-    away = x - middle
-    spread = float(away @ away)
-    slope = float(away @ y) / spread if spread else 0.0
+    offset = x - middle
+    spread = float(offset @ offset)
+    slope = float(offset @ y) / spread if spread else 0.0
     return slope, float(y.mean()) - slope * float(middle)
 
 

@@ -115,17 +115,17 @@ class BucketFiles:
             raise self._missing(unlisted[0])
         found = {name: held(self.path / name, self._sizes[name]) for name in names}
         missing = [name for name, descriptor in found.items() if descriptor is None]
-        here = [descriptor for descriptor in found.values() if descriptor is not None]
+        descriptors = [descriptor for descriptor in found.values() if descriptor is not None]
         if not missing:
-            return Hold(here)
+            return Hold(descriptors)
         with ThreadPoolExecutor(min(AT_ONCE, len(missing)), "pointbrush-fetch") as pool:
             fetched = [pool.submit(self._fetched, name) for name in missing]
         problems = [each.exception() for each in fetched]
-        here += [each.result() for each in fetched if each.exception() is None]
+        descriptors += [each.result() for each in fetched if each.exception() is None]
         if problem := next(filter(None, problems), None):
-            Hold(here).__exit__()
+            Hold(descriptors).__exit__()
             raise problem
-        return Hold(here)
+        return Hold(descriptors)
 
     def _fetched(self, name: str) -> int:
         """Return a descriptor that holds a file; fetch the file if it is not in the cache."""

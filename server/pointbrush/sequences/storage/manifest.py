@@ -100,8 +100,8 @@ class Manifest:
     @property
     def identity(self) -> str:
         """16 hex digits that differ for every import, also for another import of the same id."""
-        told = [self.imported_as, self.created, self.source, self.lo, self.hi]
-        return blake2b(json.dumps(told).encode(), digest_size=8).hexdigest()
+        facts = [self.imported_as, self.created, self.source, self.lo, self.hi]
+        return blake2b(json.dumps(facts).encode(), digest_size=8).hexdigest()
 
     @property
     def depth_lattice(self) -> Lattice | None:

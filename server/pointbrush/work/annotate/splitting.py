@@ -54,7 +54,7 @@ class Splitting(Part):
         recording, store, edit = self._recording(sequence), self._store, edit_id(edit)
         repeated = store.find(sequence, edit)
         if repeated is not None:
-            return _again(store, repeated, frame, gap)
+            return _repeated(store, repeated, frame, gap)
         label = store.label(sequence, label_id)
         store.require_paintable(sequence, label_id)
         values = store.values(sequence, frame)
@@ -89,7 +89,7 @@ class Splitting(Part):
         return Split(commit, tuple(fresh), wide)
 
 
-def _again(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
+def _repeated(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
     """Return the result of a repeated split."""
     delta = commit.frames.get(frame)
     ids = set() if delta is None else set(np.unique(delta.label).tolist())

@@ -135,7 +135,7 @@ class LiveStroke:
             author=author,
             kind=self._brush.tool,
             writes=self._writes(),
-            summary=self._told,
+            summary=self._summary,
             identity=self._recording.identity,
         )
 
@@ -146,7 +146,7 @@ class LiveStroke:
             for numbers in one.taken.parts():
                 yield one.frame, write_of(self._brush, numbers)
 
-    def _told(self, points: int, frames: int) -> str:
+    def _summary(self, points: int, frames: int) -> str:
         label = self._view.palette().get(self._brush.label)
         what = f" as '{label.name}'" if label and self._brush.tool == "paint" else ""
         where = f" in {frames} frames" if frames > 1 else ""

@@ -49,12 +49,12 @@ def _reserve(connection: Any) -> None:
         words = [word for word, number in listed.items() if number == row.number]
         if not words or plain(entry.name) in words:
             continue
-        here = sa.and_(NUMBERS.c.dataset == row.dataset, NUMBERS.c.number == row.number)
+        is_row = sa.and_(NUMBERS.c.dataset == row.dataset, NUMBERS.c.number == row.number)
         # Numbers were assigned in sequence, to classes without a colour.
         if entry.number == row.number and not entry.color and _follows(entry.number, known):
-            connection.execute(NUMBERS.delete().where(here))
+            connection.execute(NUMBERS.delete().where(is_row))
             continue
-        connection.execute(NUMBERS.update().where(here).values(stated=sa.true()))
+        connection.execute(NUMBERS.update().where(is_row).values(stated=sa.true()))
         if entry.number == row.number:
             _bring_back(connection, words[0], row.number, known)
 

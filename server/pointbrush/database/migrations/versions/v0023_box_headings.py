@@ -25,8 +25,8 @@ def upgrade() -> None:
     for row in connection.execute(sa.select(BOXES)).all():
         fields = json.loads(row.data)
         known[row.sequence, row.id] = fields[HEADING] = fields["provenance"] != "fitted"
-        here = sa.and_(BOXES.c.sequence == row.sequence, BOXES.c.id == row.id)
-        _store(BOXES, here, fields)
+        is_row = sa.and_(BOXES.c.sequence == row.sequence, BOXES.c.id == row.id)
+        _store(BOXES, is_row, fields)
     for row in connection.execute(sa.select(CHANGES)).all():
         change = json.loads(row.data)
         if change.get("exists"):  # it creates the box; a removed box has only such edits
@@ -40,8 +40,8 @@ def downgrade() -> None:
     for row in connection.execute(sa.select(BOXES)).all():
         fields = json.loads(row.data)
         del fields[HEADING]
-        here = sa.and_(BOXES.c.sequence == row.sequence, BOXES.c.id == row.id)
-        _store(BOXES, here, fields)
+        is_row = sa.and_(BOXES.c.sequence == row.sequence, BOXES.c.id == row.id)
+        _store(BOXES, is_row, fields)
     for row in connection.execute(sa.select(CHANGES)).all():
         change = json.loads(row.data)
         if change.pop(HEADING, None) is not None:
@@ -49,9 +49,9 @@ def downgrade() -> None:
 
 
 def _of_change(row: Any) -> Any:
-    here = CHANGES.c.sequence == row.sequence, CHANGES.c.revision == row.revision
-    return sa.and_(*here, CHANGES.c.box == row.box)
+    is_row = CHANGES.c.sequence == row.sequence, CHANGES.c.revision == row.revision
+    return sa.and_(*is_row, CHANGES.c.box == row.box)
 
 
-def _store(table: Any, here: Any, data: dict[str, Any]) -> None:
-    op.execute(table.update().where(here).values(data=json.dumps(data)))
+def _store(table: Any, is_row: Any, data: dict[str, Any]) -> None:
+    op.execute(table.update().where(is_row).values(data=json.dumps(data)))
