@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pointbrush.commands.following import Job, follow
 from pointbrush.errors import BadInputError
-from pointbrush.settings.command_sets import CLIENTS, LOCAL, REMOTE, STORAGE
-from pointbrush.settings.definitions import WORKSPACE
+from pointbrush.settings.command_sets import CLIENTS, LOCAL, REMOTE, STORAGE, WORKSPACE
 from pointbrush.settings.settings import Settings, options
 
 if TYPE_CHECKING:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pointbrush.settings.definitions import WORKSPACE
-
 SERVERS = ("demo", "serve")
 REMOTE = (
     "import", "import-labels", "track", "fit-boxes", "example", "export", "info", "labels",
@@ -34,7 +32,7 @@ COMMAND_SETS = {
     RUNNERS: "`track`, `example`, servers",
 }
 """Names of sets of commands in docs/options.md."""
-STORAGE, ADDRESS, ACCESS = "storage", "address and TLS", "access"
+WORKSPACE, STORAGE, ADDRESS, ACCESS = "workspace", "storage", "address and TLS", "access"
 JOBS, BACKUPS, LIMITS = "work", "backups", "limits"
 GROUPS = (WORKSPACE, STORAGE, ADDRESS, ACCESS, JOBS, BACKUPS, LIMITS)
 """Headings of options, in their order."""

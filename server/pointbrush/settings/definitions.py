@@ -14,10 +14,10 @@ from typing import Any, get_type_hints
 from urllib.parse import parse_qs, urlsplit
 
 from pointbrush.errors import BadInputError
+from pointbrush.settings.command_sets import SERVERS, WORKSPACE
 
 PREFIX = "POINTBRUSH_"
 UNBOUNDED = sys.maxsize
-WORKSPACE = "workspace"
 DATABASE_VARIABLE = f"{PREFIX}DATABASE"
 
 
@@ -92,7 +92,7 @@ class Option:
         return self.kind(text)
 
 
-def option(default: Any, help_text: str, *, where: tuple[str, ...], **more: Any) -> Any:
+def option(default: Any, help_text: str, *, where: tuple[str, ...] = SERVERS, **more: Any) -> Any:
     """Return the field of a dataclass of options; ``more``: fields of ``Definition``."""
     definition = Definition(help_text, where, **more)
     return field(default=default, metadata={"definition": definition})

@@ -28,6 +28,8 @@ from pointbrush.settings.command_sets import (
 )
 from pointbrush.settings.definitions import PREFIX, Option, option, options_of
 
+STORED: dict[str, Any] = {"where": EVERYWHERE, "shown": STORES, "group": STORAGE}
+"""Definition of the options of storage."""
 UNIT_SECONDS = {"m": 60.0, "h": 3_600.0, "d": 86_400.0}
 
 
@@ -41,48 +43,33 @@ class Settings:
         where=EVERYWHERE,
     )
     database: str = option(
-        "",
-        "URL of the database of labels; empty: SQLite in the workspace",
-        where=EVERYWHERE,
-        shown=STORES,
-        group=STORAGE,
+        "", "URL of the database of labels; empty: SQLite in the workspace", **STORED
     )
     database_password_file: str = option(
-        "",
-        "file with the password of the database's user",
-        where=EVERYWHERE,
-        shown=STORES,
-        group=STORAGE,
+        "", "file with the password of the database's user", **STORED
     )
     new_labels: bool = option(
         False,
         "start with empty labels if `labels.sqlite` is missing beside recordings",
-        where=SERVERS,
         group=STORAGE,
     )
     sequences: str = option(
         "",
         "URL of the object storage of recordings (s3://bucket/folder, gs://…); empty: the folder "
         "`sequences` of the workspace",
-        where=EVERYWHERE,
-        shown=STORES,
-        group=STORAGE,
+        **STORED,
     )
     sequence_cache: str = option(
         "",
         "local folder that caches files of the object storage; empty: `pointbrush` in the user's "
         "cache folder",
-        where=EVERYWHERE,
-        shown=STORES,
-        group=STORAGE,
+        **STORED,
     )
     sequence_cache_bytes: int = option(
         20 * 2**30,
         "maximum size of the cache; files in use are kept beyond it",
-        where=EVERYWHERE,
         unit="bytes",
-        shown=STORES,
-        group=STORAGE,
+        **STORED,
     )
     max_frame_points: int = option(
         500_000_000, "maximum number of points in a frame", where=READERS, group=LIMITS
@@ -94,14 +81,9 @@ class Settings:
         where=RUNNERS,
         group=JOBS,
     )
-    host: str = option("127.0.0.1", "address to listen on", where=SERVERS, group=ADDRESS)
+    host: str = option("127.0.0.1", "address to listen on", group=ADDRESS)
     port: int = option(
-        8080,
-        "port to listen on; 0: any free port",
-        where=SERVERS,
-        least=0,
-        most=65_535,
-        group=ADDRESS,
+        8080, "port to listen on; 0: any free port", least=0, most=65_535, group=ADDRESS
     )
     server: str = option(
         "",
@@ -116,59 +98,40 @@ class Settings:
         where=(*CLIENTS, *SERVERS),
         group=ACCESS,
     )
-    token_file: str = option(
-        "", "file with the admin token, instead of `token`", where=SERVERS, group=ACCESS
-    )
+    token_file: str = option("", "file with the admin token, instead of `token`", group=ACCESS)
     oidc_issuer: str = option(
-        "",
-        "https address of an OpenID Connect provider for sign-in",
-        where=SERVERS,
-        group=ACCESS,
+        "", "https address of an OpenID Connect provider for sign-in", group=ACCESS
     )
-    oidc_client_id: str = option(
-        "", "id of this server at the provider", where=SERVERS, group=ACCESS
-    )
+    oidc_client_id: str = option("", "id of this server at the provider", group=ACCESS)
     oidc_client_secret_file: str = option(
-        "",
-        "file with the client secret at the provider; empty: a public client",
-        where=SERVERS,
-        group=ACCESS,
+        "", "file with the client secret at the provider; empty: a public client", group=ACCESS
     )
-    oidc_role: str = option(
-        "annotator", "role of an account at its first sign-in", where=SERVERS, group=ACCESS
-    )
+    oidc_role: str = option("annotator", "role of an account at its first sign-in", group=ACCESS)
     oidc_roles_claim: str = option(
         "",
         "claim of the ID token that sets the role at each sign-in (realm_access.roles), instead of "
         "`oidc_role`",
-        where=SERVERS,
         group=ACCESS,
     )
     log_format: str = option(
         "text",
         "format of the log: text, or json with one line for each request, edit and job",
-        where=SERVERS,
         group=JOBS,
     )
     webhook_private: bool = option(
-        False,
-        "allow webhooks to addresses of this machine and of private networks",
-        where=SERVERS,
-        group=ACCESS,
+        False, "allow webhooks to addresses of this machine and of private networks", group=ACCESS
     )
     selector: str = option(
         "tree",
         "method that answers clicks of the object tool: tree (built in), the name of a plug-in, or "
         "the http(s) address of a service; RECORDING=NAME for one recording; commas separate "
         "several",
-        where=SERVERS,
         group=JOBS,
     )
     models: str = option(
         "",
         "services that score classes for label by example: NAME=http://host:port, separated by "
         "commas; installed plug-ins need no entry",
-        where=SERVERS,
         group=JOBS,
     )
     backup_to: str = option(
@@ -178,117 +141,79 @@ class Settings:
         group=BACKUPS,
     )
     backup_every: str = option(
-        "24h",
-        "time between two backups of a server: 90m, 24h or 7d",
-        where=SERVERS,
-        group=BACKUPS,
+        "24h", "time between two backups of a server: 90m, 24h or 7d", group=BACKUPS
     )
     backup_keep: int = option(
         7, "number of backups to keep; older ones are removed", where=KEEPERS, group=BACKUPS
     )
     tls: bool = option(
-        False,
-        "serve HTTPS with a certificate of pointbrush's own authority",
-        where=SERVERS,
-        group=ADDRESS,
+        False, "serve HTTPS with a certificate of pointbrush's own authority", group=ADDRESS
     )
-    certfile: str = option(
-        "", "certificate for HTTPS, instead of pointbrush's own", where=SERVERS, group=ADDRESS
-    )
-    keyfile: str = option("", "private key of the certificate", where=SERVERS, group=ADDRESS)
+    certfile: str = option("", "certificate for HTTPS, instead of pointbrush's own", group=ADDRESS)
+    keyfile: str = option("", "private key of the certificate", group=ADDRESS)
     insecure: bool = option(
-        False, "allow an address other than loopback without TLS", where=SERVERS, group=ADDRESS
+        False, "allow an address other than loopback without TLS", group=ADDRESS
     )
     import_roots: str = option(
         "",
         f"folders that imports by REST may read, separated by '{os.pathsep}'; empty: the current "
         "folder and the home folder, for the admin token on this machine only",
-        where=SERVERS,
         group=ACCESS,
     )
     allowed_hosts: str = option(
-        "",
-        "additional host names of the page, separated by commas",
-        where=SERVERS,
-        group=ADDRESS,
+        "", "additional host names of the page, separated by commas", group=ADDRESS
     )
     trusted_proxies: str = option(
         "",
         "proxies trusted to set X-Forwarded-For and X-Forwarded-Proto: addresses or networks, "
         "separated by commas",
-        where=SERVERS,
         group=ADDRESS,
     )
     max_body: int = option(
         64 * 2**20,
         "maximum size of a request's body (uploads excepted)",
-        where=SERVERS,
         unit="bytes",
         group=LIMITS,
     )
-    max_upload: int = option(
-        8 * 2**30, "maximum size of an upload", where=SERVERS, unit="bytes", group=LIMITS
-    )
+    max_upload: int = option(8 * 2**30, "maximum size of an upload", unit="bytes", group=LIMITS)
     max_message: int = option(
-        4 * 2**20,
-        "maximum size of a WebSocket message from a client",
-        where=SERVERS,
-        unit="bytes",
-        group=LIMITS,
+        4 * 2**20, "maximum size of a WebSocket message from a client", unit="bytes", group=LIMITS
     )
     wrong_tokens_per_minute: int = option(
-        20,
-        "wrong tokens per minute from one address before it has to wait",
-        where=SERVERS,
-        group=LIMITS,
+        20, "wrong tokens per minute from one address before it has to wait", group=LIMITS
     )
     requests_per_second: int = option(
-        200, "sustained requests per second of one client", where=SERVERS, group=LIMITS
+        200, "sustained requests per second of one client", group=LIMITS
     )
     body_seconds: int = option(
         600,
         "maximum time to receive a request's body (uploads excepted)",
-        where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     upload_seconds: int = option(
-        14_400,
-        "maximum time to receive an upload",
-        where=SERVERS,
-        unit="seconds",
-        group=LIMITS,
+        14_400, "maximum time to receive an upload", unit="seconds", group=LIMITS
     )
     stall_seconds: int = option(
         60,
         "maximum time in which a client reads nothing of an answer",
-        where=SERVERS,
         unit="seconds",
         group=LIMITS,
     )
     waiting_edits: int = option(
         6_000,
         "maximum number of queued edits of all viewers; further strokes are refused",
-        where=SERVERS,
         group=LIMITS,
     )
-    exports: int = option(4, "maximum number of concurrent exports", where=SERVERS, group=LIMITS)
+    exports: int = option(4, "maximum number of concurrent exports", group=LIMITS)
     exports_per_person: int = option(
-        2, "maximum number of concurrent exports of one person", where=SERVERS, group=LIMITS
+        2, "maximum number of concurrent exports of one person", group=LIMITS
     )
     statement_seconds: int = option(
-        60,
-        "maximum time of one PostgreSQL statement",
-        where=SERVERS,
-        unit="seconds",
-        group=LIMITS,
+        60, "maximum time of one PostgreSQL statement", unit="seconds", group=LIMITS
     )
     keepalive_seconds: int = option(
-        30,
-        "idle time after which a PostgreSQL connection is probed",
-        where=SERVERS,
-        unit="seconds",
-        group=LIMITS,
+        30, "idle time after which a PostgreSQL connection is probed", unit="seconds", group=LIMITS
     )
 
     @classmethod
