@@ -60,15 +60,12 @@ class LocalClient:
         return found[0]
 
     def __getitem__(self, text: str) -> LocalRecording:
-        """Return a recording by its id or name; raises the errors of ``id_of``."""
         return LocalRecording(self.workspace, self.id_of(text))
 
     def manifests(self) -> list[Facts]:
-        """Return the facts of all recordings, damaged ones too, by name."""
         return [Facts.of(entry) for entry in self.workspace.listing.all()]
 
     def restore(self, sequence: str) -> LocalRecording:
-        """Restore a deleted recording by its id."""
         return LocalRecording(self.workspace, self.workspace.deletion.restore(sequence))
 
     def preview(self, paths: Sequence[Path], **options: Any) -> dict[str, Any]:
@@ -81,15 +78,12 @@ class LocalClient:
         return asdict(preview(request, Limits(self.settings.max_frame_points)))
 
     def start_import(self, paths: Sequence[Path], **options: Any) -> Job:
-        """Start an import of files as one recording."""
         return self.workspace.imports.begin(paths, **_import_fields(options))
 
     def job(self, job: str) -> Job:
-        """Return the current state of a job."""
         return self.workspace.jobs.get(job)
 
     def export_formats(self) -> list[Written]:
-        """Return the export formats."""
         from pointbrush.formats import EXPORTS  # slow to load
 
         return [
@@ -99,17 +93,14 @@ class LocalClient:
 
     @property
     def classifiers(self) -> LocalClassifiers:
-        """The classifiers of the workspace."""
         return LocalClassifiers(self.workspace.classifiers)
 
     @property
     def accounts(self) -> LocalAccounts:
-        """The accounts and tokens of the workspace."""
         return LocalAccounts(self.workspace)
 
     @property
     def projects(self) -> LocalProjects:
-        """The projects of the workspace."""
         return LocalProjects(self.workspace)
 
 
@@ -159,17 +150,14 @@ class LocalAccounts:
         self._tokens, self._people = workspace.labels.tokens, workspace.labels.people
 
     def all(self) -> list[Account]:
-        """Return the accounts that have or had tokens, by name."""
         return self._people.all()
 
     def create(self, account: str, role: str, days: float | None) -> NewToken:
-        """Add an account with its first token, valid for ``days`` (None: without end)."""
         from pointbrush.accounts.people import expiry_of
 
         return NewToken(self._tokens.add(role, account, expiry_of(days)))
 
     def revoke(self, account: str, token: str) -> None:
-        """Revoke a token of an account by its id."""
         self._people.revoke(account, token, "admin")
 
 
@@ -182,11 +170,9 @@ class LocalClassifiers:
         self.teach, self.delete = service.teach, service.delete
 
     def save(self, classifier: str, out: Path) -> None:
-        """Write a classifier to a file for ``load``."""
         out.write_bytes(self._service.file(classifier))
 
     def load(self, file: Path, name: str | None) -> About:
-        """Add a classifier from a file of ``save``."""
         return self._service.bring(file.read_bytes(), name)
 
 
@@ -197,7 +183,6 @@ class LocalProjects:
     workspace: Workspace
 
     def __getitem__(self, project: str) -> LocalProject:
-        """Return a project by its id."""
         return LocalProject(self.workspace, project)
 
 
@@ -205,5 +190,4 @@ class LocalProject(Part):
     """The calls of ``client.Project``."""
 
     def snapshots(self) -> list[Version]:
-        """Return the snapshots, newest first; raises NotFoundError for an unknown project."""
         return self.workspace.versions.all(self.id)

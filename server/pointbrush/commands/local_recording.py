@@ -84,21 +84,17 @@ class LocalRecording(Part):
 
     @property
     def boxes(self) -> LocalBoxes:
-        """The boxes."""
         return LocalBoxes(self.workspace, self.id)
 
     @property
     def by_example(self) -> LocalByExample:
-        """The use of classifiers."""
         return LocalByExample(self.workspace, self.id)
 
     @property
     def review(self) -> LocalReview:
-        """The review."""
         return LocalReview(self.workspace, self.id)
 
     def labels(self) -> list[CountedLabel]:
-        """Return the palette, with the number of points of each label."""
         from pointbrush.work.palettes import counted_labels
 
         return counted_labels(self.workspace.labels, self.id)
@@ -106,19 +102,16 @@ class LocalRecording(Part):
     def start_tracking(
         self, labels: Sequence[int] | None, start: int, stop: int, **options: Any
     ) -> Job:
-        """Start a tracking run; ``options``: of ``RunOptions``."""
         return self.workspace.tracking.start(
             self.id, start=start, stop=stop, labels=labels, author=AUTHOR, **options
         )
 
     def start_fit_boxes(self, labels: Sequence[int] | None, **options: Any) -> Job:
-        """Start a fit of boxes; ``options``: category, frames, redraw."""
         return self.workspace.fitting.fit(self.id, author=AUTHOR, labels=labels, **options)
 
     def start_label_import(
         self, files: Sequence[Path], *, map: str | None, dry_run: bool, **options: Any
     ) -> Job:
-        """Start an import of labels from one place; ``options``: of ``LabelOptions``."""
         from pointbrush.formats.tables.class_maps import parse_map
 
         (place,), names = files, {} if map is None else parse_map("--map", map)
@@ -127,18 +120,15 @@ class LocalRecording(Part):
         )
 
     def import_source_labels(self) -> None:
-        """Import the labels in the recording's own files that were not imported with it."""
         self.workspace.imports.bring_labels(self.id, AUTHOR)
 
     def export(
         self, format: str, out: Path, frames: str | None, val: str | None, above: float,
         snapshot: str | None,
     ) -> None:  # fmt: skip
-        """Write an export to a folder or file, whole or not at all."""
         self.workspace.export(self.id, format, out, frames, val, above, snapshot)
 
     def update(self, *, name: str) -> Manifest:
-        """Change the name, and return the new manifest."""
         return self.workspace.update_sequence(self.id, name=name)
 
     def delete(self) -> None:
@@ -151,7 +141,6 @@ class LocalBoxes(Part):
     """The calls of ``client.Boxes``."""
 
     def all(self) -> Sequence[OrientedBox]:
-        """Return the boxes."""
         return self.workspace.labels.boxes.listing(self.id).boxes
 
 
@@ -159,7 +148,6 @@ class LocalByExample(Part):
     """The calls of ``client.ByExample``."""
 
     def start(self, classifier: str, frames: str, above: float | None) -> Job:
-        """Start an application of a classifier to frames."""
         return self.workspace.predictions.start(
             self.id, author=AUTHOR, classifier=classifier, frames=frames, above=above
         )
@@ -169,7 +157,6 @@ class LocalReview(Part):
     """The calls of ``client.Review``."""
 
     def check(self, frames: str | None) -> Checked:
-        """Return the findings in frames ``I:J``, and the skipped checks."""
         return self.workspace.reviewing.checks(self.id, frames)
 
     def agreement(self, other: str, *, frames: str | None, boxes: bool) -> Compared:
@@ -181,7 +168,6 @@ class LocalReview(Part):
         return Compared(found.labels, found.miou)
 
     def report(self, out: Path, table: Table) -> None:
-        """Write the report to a .html or .csv file."""
         from pointbrush.work.reviewing import to_csv, to_html
 
         found = self.workspace.reviewing.report(self.id)
