@@ -161,12 +161,25 @@ def test_boxes_are_upright_in_coordinates_whose_up_is_another_axis() -> None:
     assert rotation_of(b.poses[0].quaternion)[:, 2] == pytest.approx(turn @ UP, abs=1e-6)
 
 
+@pytest.mark.parametrize("yaw", [-0.4, 0.3, 1.2])
+def test_a_standing_person_faces_across_the_shoulders(yaw: float) -> None:
+    rng = np.random.default_rng(3)
+    around, up = rng.uniform(0, 2 * np.pi, 900), rng.uniform(0.05, 1.7, 900)
+    wide = np.where((up > 1.15) & (up < 1.45), 0.3, 0.13)
+    person = np.column_stack([0.13 * np.cos(around), wide * np.sin(around), up])
+    seen_now = replace(seen("b", 0.0, (4.0, 3.0)), xyz=placed(person, yaw, (4.0, 3.0)))
+    made = fit_box([seen_now], priors_of("pedestrian"))
+    assert abs(heading(made) @ [np.cos(yaw), np.sin(yaw), 0]) > np.cos(np.radians(10))
+
+
 def test_a_class_of_several_kinds_takes_the_one_that_fits() -> None:
     bus = seen("rtb", 0.0, (1.0, 9.0))
     grown = replace(bus, xyz=(bus.xyz - [1, 9, 0]) * [2.6, 1.45, 2.1] + [1, 10, 0])
     assert fit_box([grown], priors_of("vehicle")).kind in ("bus", "truck")
     assert priors_of("Large Vehicle")[0].name == "car"
     assert [prior.name for prior in priors_of("REGULAR_CAR")] == ["car"]
+    assert [prior.name for prior in priors_of("motorcycle", names=("rider 3",))] == ["motorcycle"]
+    assert priors_of("parked Bicycle")[0].mean[2] < priors_of("bicyclist")[0].mean[2] - 0.3
 
 
 def test_too_few_points_are_refused() -> None:

@@ -28,6 +28,8 @@ class FitOptions:
     person_margin: float = 0.04
     """Metres from the outermost points of a person or a two-wheeler to the sides, because beams
     miss the ends of limbs and handlebars."""
+    margin: float = 0.03
+    """The same of a vehicle, because its body is round and its mirrors are thin."""
     band: tuple[float, float] = (0.22, 0.5)
     """Range of shares of the height in which a body is solid, so that passing rays mean free
     space."""
@@ -75,6 +77,12 @@ class FitOptions:
     """Metres; cells for thinning points to means in the search over yaw."""
     yaw_floor: float = 0.05
     """Metres from a side below which points count as being on it."""
+    shoulders: tuple[float, float] = (0.68, 0.86)
+    """Range of shares of a person's height at the shoulders, which are wider than deep …"""
+    shoulder_points: int = 12
+    """… with a minimum number of points …"""
+    shoulder_ratio: float = 2.0
+    """… and a minimum ratio of their standard deviations across and along."""
     moved: float = 0.5
     """Minimum path of a moving object in metres …"""
     sharper: float = 0.95
@@ -133,7 +141,5 @@ class FitOptions:
             value = getattr(self, each.name)
             if min(value if isinstance(value, tuple) else (value,)) <= 0:
                 raise BadInputError(f"{each.name}: expected above 0, got {value}")
-        if not self.band[0] < self.band[1] <= 1:
-            raise BadInputError(f"band: expected two ascending shares, got {self.band}")
-        if not self.path_angles[0] < self.path_angles[1]:
-            raise BadInputError(f"path_angles: expected two ascending, got {self.path_angles}")
+            if isinstance(value, tuple) and not value[0] < value[1]:
+                raise BadInputError(f"{each.name}: expected two ascending, got {value}")

@@ -12,7 +12,7 @@ from pointbrush.fitting.observation import Surface, View, surface_of
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.priors import SizePrior
 from pointbrush.fitting.sides import Sides, find_sides, likely_size
-from pointbrush.fitting.yaw import outline_yaws, turn
+from pointbrush.fitting.yaw import outline_yaws, shoulder_yaw, turn
 
 Floats = NDArray[np.float64]
 
@@ -46,14 +46,18 @@ def best_sides(
 ) -> tuple[Sides, Floats, SizePrior]:
     """Return sides, size and class for the best yaw and class by the likelihood of sizes."""
     best = None
-    for outline, close in outline_yaws(shell(surface, options), options):
-        for prior in priors:
-            for yaw in (outline, outline + np.pi / 2):
-                sides = find_sides(surface, yaw, prior, options)
-                size, cost = likely_size([sides], prior, options)
-                cost -= options.yaw_nats * close
-                if best is None or cost < best[0]:
-                    best = cost, sides, size, prior
+    outlines = outline_yaws(shell(surface, options), options)
+    across = shoulder_yaw(surface.xyz, surface.ground, options)
+    for prior in priors:
+        yaws = [(yaw + turned, close) for yaw, close in outlines for turned in (0.0, np.pi / 2)]
+        if prior.standing and across is not None:
+            yaws = [(across, outlines[0][1])]
+        for yaw, close in yaws:
+            sides = find_sides(surface, yaw, prior, options)
+            size, cost = likely_size([sides], prior, options)
+            cost -= options.yaw_nats * close
+            if best is None or cost < best[0]:
+                best = cost, sides, size, prior
     assert best is not None  # noqa: S101 – there is a prior
     return best[1:]
 

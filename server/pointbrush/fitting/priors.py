@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 
@@ -32,10 +31,10 @@ class SizePrior:
             if not (np.isfinite(values).all() and min(values) > 0):
                 raise BadInputError(f"{name}: expected 3 numbers above 0 m, got {values}")
 
-    def cost(self, size: NDArray[np.float64]) -> float:
-        """Return the negative log likelihood of a size, up to a constant."""
-        off = (size - np.array(self.mean)) / np.array(self.spread)
-        return float(0.5 * (off @ off) + np.log(self.spread).sum() - np.log(self.weight))
+    @property
+    def standing(self) -> bool:
+        """Whether it is a person on foot, higher than long."""
+        return self.person and self.mean[2] > 1.5 * self.mean[0]
 
 
 BUILT_IN: Mapping[str, SizePrior] = {
@@ -47,9 +46,12 @@ BUILT_IN: Mapping[str, SizePrior] = {
         SizePrior("bus", (11.5, 2.7, 3.2), (1.5, 0.2, 0.25), weight=0.05),
         SizePrior("pedestrian", (0.65, 0.62, 1.7), (0.2, 0.1, 0.15), person=True),
         SizePrior("cyclist", (1.76, 0.6, 1.73), (0.15, 0.1, 0.15), person=True),
+        SizePrior("motorcycle", (2.22, 0.86, 1.52), (0.25, 0.15, 0.2), person=True),
+        SizePrior("bicycle", (1.72, 0.61, 1.36), (0.2, 0.12, 0.25), person=True),
     )
 }
 VEHICLES = ("car", "van", "truck", "bus")
+TWO_WHEELERS = ("cyclist", "motorcycle", "bicycle")
 NAMES: Mapping[str, tuple[str, ...]] = {
     "car": ("car", "cars", "sedan", "suv", "taxi", "automobile", "hatchback"),
     "van": ("van", "vans", "minibus"),
@@ -57,8 +59,9 @@ NAMES: Mapping[str, tuple[str, ...]] = {
     "bus": ("bus", "buses", "coach"),
     "pedestrian": ("pedestrian", "pedestrians", "person", "people", "human", "walker", "adult",
                    "child"),
-    "cyclist": ("cyclist", "cyclists", "rider", "bicycle", "bicyclist", "bike", "motorcycle",
-                "motorcyclist", "scooter", "motorbike"),
+    "cyclist": ("cyclist", "cyclists", "rider", "bicyclist", "motorcyclist"),
+    "motorcycle": ("motorcycle", "motorcycles", "scooter", "motorbike"),
+    "bicycle": ("bicycle", "bicycles", "bike"),
 }  # fmt: skip
 """Words of categories that mean a class."""
 
@@ -73,7 +76,7 @@ def priors_of(category: str, names: Iterable[str] = ()) -> list[SizePrior]:
         if text.casefold() in BUILT_IN:
             return [BUILT_IN[text.casefold()]]
         words = set(re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", text).casefold()))
-        for kind in ("cyclist", "truck", "bus", "van", "car", "pedestrian"):
+        for kind in (*TWO_WHEELERS, "truck", "bus", "van", "car", "pedestrian"):
             if words & set(NAMES[kind]):
                 return [BUILT_IN[kind]]
         if words & {"vehicle", "vehicles"}:

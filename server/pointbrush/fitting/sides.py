@@ -162,8 +162,8 @@ def find_sides(surface: Surface, yaw: float, prior: SizePrior, options: FitOptio
     body = body if len(body) >= options.least_points else points
     low = np.array([-edge(-body[:, a], toward[a] < -FACING, options) for a in range(3)])
     high = np.array([edge(body[:, a], toward[a] > FACING, options) for a in range(3)])
-    if prior.person:
-        low, high = low - options.person_margin, high + options.person_margin
+    margin = options.person_margin if prior.person else options.margin
+    low, high = low - margin, high + margin
     low[2] = floor
     wide = _grown(low, high, eyes.mean(axis=0) if len(ends) else None, mean)
     space = _Space(eyes, ends, *wide, floor, float(mean[2]))

@@ -86,3 +86,19 @@ def outline_yaw(xyz: Floats, around: float, within: float, options: FitOptions) 
     best = yaws[int(closeness(plan, yaws, options.yaw_floor).argmax())]
     fine = best + np.arange(-step, step + 1e-9, np.radians(options.yaw_fine))
     return float(fine[int(closeness(plan, fine, options.yaw_floor).argmax())])
+
+
+def shoulder_yaw(xyz: Floats, ground: float | None, options: FitOptions) -> float | None:
+    """Return the yaw of a standing person, across the shoulders, in radians.
+
+    None: points (n, 3) do not show the shoulders.
+    """
+    low = float(xyz[:, 2].min()) if ground is None else ground
+    share = (xyz[:, 2] - low) / max(float(np.quantile(xyz[:, 2], 0.99)) - low, 0.1)
+    part = xyz[(share > options.shoulders[0]) & (share < options.shoulders[1]), :2]
+    if len(part) < options.shoulder_points:
+        return None
+    (narrow, wide), axes = np.linalg.eigh(np.cov(part.T))
+    if wide < options.shoulder_ratio**2 * narrow:
+        return None
+    return float(np.arctan2(axes[1, 0], axes[0, 0]))
