@@ -75,7 +75,7 @@ def fit_box(
     start = start_of(views, posed, priors, chosen)
     if not start.moves and posed:
         return _still(views, fit_still(views, priors, chosen), posed)
-    level = fit_moving(start, priors, chosen)
+    level = fit_moving(start, chosen)
     if not start.moves:
         return _still(views, level)
     gone = float(np.linalg.norm(level.centres[-1] - level.centres[0]))

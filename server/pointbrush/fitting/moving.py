@@ -18,7 +18,7 @@ from pointbrush.fitting.parked import (
     world_centre,
 )
 from pointbrush.fitting.priors import SizePrior
-from pointbrush.fitting.sides import Sides, find_sides, likely_size
+from pointbrush.fitting.sides import find_sides, likely_size
 from pointbrush.fitting.trajectory import smooth_angles, smooth_path, speeds
 from pointbrush.fitting.yaw import outline_yaw, wrapped
 
@@ -26,34 +26,25 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """Initial estimate from single frames.
+class Motion:
+    """Estimate of an object with a common ``size`` (3,) and class ``prior``.
 
-    ``surfaces`` and ``sides`` of each frame; sizes (k, 3) and ``priors`` chosen there; path (k, 2)
-    of the centres; ``times`` (k,) in seconds; whether the object ``moves``.
+    ``surfaces`` of each frame; path (k, 2) of the centres, in metres, and ``yaws`` (k,) in radians
+    at ``times`` (k,) in seconds; whether the object ``moves``.
     """
 
     surfaces: list[Surface]
-    sides: list[Sides]
-    sizes: Floats
-    priors: list[SizePrior]
-    path: Floats
-    times: Floats
-    moves: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """Path (k, 2) of an object's centre in metres, and yaws (k,) in radians, at times (k,)."""
-
     path: Floats
     yaws: Floats
     times: Floats
+    size: Floats
+    prior: SizePrior
+    moves: bool
 
 
 def start_of(
     views: list[View], posed: bool, priors: Sequence[SizePrior], options: FitOptions
-) -> Start:
+) -> Motion:
     """Fit each frame separately, and decide whether the object moves."""
     surfaces = [surface_of([view], options) for view in views]
     found = [best_sides(surface, priors, options) for surface in surfaces]
@@ -64,14 +55,14 @@ def start_of(
             best_sides(surface, [_of_size(prior, size, options)], options)
             for surface, prior in zip(surfaces, chosen, strict=True)
         ]
-    sides, sizes = [each for each, _, _ in found], np.array([each for _, each, _ in found])
-    places = np.array([world_centre(*each, options)[:2] for each in zip(sides, sizes, strict=True)])
+    places = np.array([world_centre(sides, each, options)[:2] for sides, each, _ in found])
     times = np.array([view.time for view in views])
     noise = np.full((len(views), 2), options.start_noise)
-    yaws = np.array([each.yaw for each in sides])
+    yaws = np.array([sides.yaw for sides, _, _ in found])
     path = smooth_path(places, noise, yaws, times, options.acceleration)
     moves = posed and _moves(views, path, options)
-    return Start(surfaces, sides, sizes, chosen, path, times, moves)
+    prior = max(priors, key=chosen.count)
+    return Motion(surfaces, path, yaws, times, size, prior, moves)
 
 
 def _of_size(prior: SizePrior, size: Floats, options: FitOptions) -> SizePrior:
@@ -97,46 +88,36 @@ def _filled(parts: list[Floats], options: FitOptions) -> int:
     return len(np.unique(cells[:, 0] * 1_000_003 + cells[:, 1]))
 
 
-def fit_moving(start: Start, priors: Sequence[SizePrior], options: FitOptions) -> Level:
+def fit_moving(motion: Motion, options: FitOptions) -> Level:
     """Fit a common size and a pose for each frame."""
-    prior = _class(start, priors)
-    size = np.median(start.sizes, axis=0)
-    motion = Motion(start.path, np.array([each.yaw for each in start.sides]), start.times)
+    prior = motion.prior
     for _ in range(options.rounds):
-        yaws = _directions(start, motion, prior, size, options)
+        yaws = _directions(motion, options)
         sides = [
             find_sides(surface, float(yaw), prior, options)
-            for surface, yaw in zip(start.surfaces, yaws, strict=True)
+            for surface, yaw in zip(motion.surfaces, yaws, strict=True)
         ]
         size, _ = likely_size(sides, prior, options)
         places = np.array([world_centre(each, size, options)[:2] for each in sides])
         slack = np.array([each.slack(size)[:2] for each in sides])
         noise = options.side_noise + slack / 2
-        path = smooth_path(places, noise, yaws, start.times, options.acceleration)
-        motion = Motion(path, yaws, start.times)
+        path = smooth_path(places, noise, yaws, motion.times, options.acceleration)
+        motion = replace(motion, path=path, yaws=yaws, size=size)
     heights = np.array([each.low[2] for each in sides]) + size[2] / 2
-    centres = np.column_stack([motion.path, heights])
-    counts = [len(surface.xyz) for surface in start.surfaces]
+    counts = [len(surface.xyz) for surface in motion.surfaces]
     sure = [confidence_of(each, size, n) for each, n in zip(sides, counts, strict=True)]
+    centres = np.column_stack([motion.path, heights])
     return Level(size, centres, np.asarray(wrapped(motion.yaws)), np.array(sure), prior)
 
 
-def _class(start: Start, priors: Sequence[SizePrior]) -> SizePrior:
-    """Return the class that is the most likely one in most frames."""
-    counts = [start.priors.count(prior) for prior in priors]
-    return priors[int(np.argmax(counts))]
-
-
-def _directions(
-    start: Start, motion: Motion, prior: SizePrior, size: Floats, options: FitOptions
-) -> Floats:
+def _directions(motion: Motion, options: FitOptions) -> Floats:
     """Return the yaw (k,) in each frame, by the path while it moves, and by outlines."""
-    times = motion.times
+    times, prior = motion.times, motion.prior
     velocity = speeds(motion.path, times)
     speed = np.linalg.norm(velocity, axis=1)
     slow = speed < (options.walking if prior.person else options.driving)
-    if not start.moves or slow.all():
-        return _by_outlines(start, motion, options)
+    if not motion.moves or slow.all():
+        return _by_outlines(motion, options)
     along = np.arctan2(velocity[:, 1], velocity[:, 0])
     if slow.any():  # keeps the direction of the nearest frame in which it moves
         moving = np.flatnonzero(~slow)
@@ -145,14 +126,14 @@ def _directions(
         noise = np.full(len(along), np.radians(options.person_noise))
         return smooth_angles(along, noise, times, np.radians(options.person_swerve))
     turning = np.gradient(np.unwrap(along), times) if len(along) > 1 else np.zeros(len(along))
-    steer = options.axle * size[0] * turning / np.maximum(speed, options.driving)
+    steer = options.axle * motion.size[0] * turning / np.maximum(speed, options.driving)
     guess = along - np.arctan(np.clip(steer, -options.steer_most, options.steer_most))
     # A slow or turning path is less reliable.
     far = np.clip(speed * min(options.path_seconds, float(times[-1] - times[0])), 0.1, None)
     path_noise = options.path_noise / far + np.abs(turning) * options.path_lag
     path_noise = np.clip(path_noise, *np.radians(options.path_angles))
     found, noise = np.empty(len(along)), np.empty(len(along))
-    for k, surface in enumerate(start.surfaces):
+    for k, surface in enumerate(motion.surfaces):
         found[k], noise[k] = _between(surface, float(guess[k]), float(path_noise[k]), options)
     return smooth_angles(found, noise, times, np.radians(options.swerve))
 
@@ -171,11 +152,11 @@ def _between(
     return yaw, float(1 / np.sqrt(a + b))
 
 
-def _by_outlines(start: Start, motion: Motion, options: FitOptions) -> Floats:
+def _by_outlines(motion: Motion, options: FitOptions) -> Floats:
     """Return yaws by outlines alone, with a consistent forward direction over frames."""
     agreed = motion.yaws.copy()
     for k in range(1, len(agreed)):  # the nearest of the two opposite directions
         agreed[k] = agreed[k - 1] + float(wrapped(motion.yaws[k] - agreed[k - 1], np.pi))
-    weight = np.array([len(surface.xyz) for surface in start.surfaces], float)
+    weight = np.array([len(surface.xyz) for surface in motion.surfaces], float)
     noise = np.radians(options.lshape_noise) * np.sqrt(weight.max() / weight)
     return smooth_angles(agreed, noise, motion.times, np.radians(options.swerve) * 2)
