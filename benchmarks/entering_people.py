@@ -6,7 +6,8 @@ recordings the first one comes back; a third one passes behind them, and some tu
 camera looks as the one of the crowd does.
 
 In recordings of the kind ``stepping-out`` the first person steps out of the picture for a moment,
-comes back at the same place and crosses, before the second one enters.
+comes back at the same place and crosses, before the second one enters.  In those of the kind
+``entering-part`` only a small part of the first person is in the picture in frame 0.
 
 Seeds 1 to 12 are for tuning; seeds from 101 on are for checks only.
 """
@@ -45,6 +46,8 @@ RETURNING = 1 / 3
 """Share of the recordings in which the first person comes back."""
 REACH_M = 0.7
 """Metres beside the border at which nothing of a person is seen."""
+PART_M = (0.2, 0.35)
+"""Metres beside the border at which a small part of a person is seen."""
 OUT_M = (0.45, 0.8)
 """Metres beside the border to which a person steps out."""
 OUT_SECONDS = (0.0, 0.4)
@@ -88,7 +91,7 @@ class Return:
 class EnteringScene(LivingRoom):
     """See ``recording.Scene``."""
 
-    def __init__(self, seed: int, seconds: float, *, stepping: bool = False) -> None:
+    def __init__(self, seed: int, seconds: float, kind: str = "entering") -> None:
         rng = np.random.default_rng([seed, 41])
         super().__init__(seed, tripod(HEIGHT, PITCH))
         looks, ways = _looks(rng), _ways(rng)
@@ -96,7 +99,10 @@ class EnteringScene(LivingRoom):
             Walk(look, way, seconds, 1.0, rng)  # type: ignore[arg-type]
             for look, way in zip(looks, ways, strict=True)
         ]
-        if stepping:
+        if kind == "entering-part":
+            ways = [_further_out(ways[0], rng), *ways[1:]]
+            self._walks[0] = Walk(looks[0], ways[0], seconds, 1.0, rng)  # type: ignore[arg-type]
+        if kind == "stepping-out":
             out = _stepping_out(ways[0], rng)
             after = ways[1].time - ways[0].seconds
             later = replace(ways[1], time=out.back.time + out.back.seconds + after)
@@ -184,7 +190,13 @@ def _stepping_out(way: Passage, rng: np.random.Generator) -> Return:
     return Return(first, replace(way, start=out, time=first.seconds + rng.uniform(*OUT_SECONDS)))
 
 
-def entering(seed: int, frames: int, *, stepping: bool = False) -> Recording:
+def _further_out(way: Passage, rng: np.random.Generator) -> Passage:
+    """Draw a start of a way at which a small part of a person is seen."""
+    x, z = way.start
+    return replace(way, start=np.array([np.sign(x) * (BORDER_TAN * -z + rng.uniform(*PART_M)), z]))
+
+
+def entering(seed: int, frames: int, kind: str = "entering") -> Recording:
     """Prepare a recording of ``frames`` frames."""
-    scene = EnteringScene(seed, frames / RATE, stepping=stepping)
+    scene = EnteringScene(seed, frames / RATE, kind)
     return Recording("Entering", scene, frames, seed, RATE)

@@ -44,8 +44,9 @@ STREETS = ("street", "street-no-poses", "street-16-beams", "drive")
 beams; a 64-beam one of the samples, among parked vehicles, with its poses."""
 FEW_BEAMS = 16
 
-ENTERING = ("entering", "stepping-out")
-"""People who enter close to the camera; who step out of the picture for a moment."""
+ENTERING = ("entering", "stepping-out", "entering-part")
+"""People who enter close to the camera; who step out of the picture for a moment; of whom only a
+small part is painted."""
 
 CROWDS = {"crowd-5hz": 5.0, "crowd-15hz": 15.0}
 """Kind of crowded room -> frames a second; three, four or five people, by the seed."""
@@ -83,7 +84,7 @@ def recorded(kind: str, seed: int, count: int, every: int = 1, seen: str = "came
     if kind in CROWDS:
         return crowd(kind, seed, count)
     if kind in ENTERING:
-        made = entering(seed, count, stepping=kind == "stepping-out")
+        made = entering(seed, count, kind)
         return with_trees([_in_memory(made.frame(i), made.truth[i]) for i in range(count)])
     return generated(kind, seed, count, every, seen)
 

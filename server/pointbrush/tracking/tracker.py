@@ -33,7 +33,7 @@ from pointbrush.tracking.interface import (
 )
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.people.bodies import hang_together
+from pointbrush.tracking.people.bodies import entered, hang_together
 from pointbrush.tracking.people.group import JointTracking
 from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
@@ -227,6 +227,7 @@ class Run:
         labelled = grown.labelled
         labelled |= hang_together(self.tracks, associations, labelled, grown.taken)
         emerged = bodies_left(associated.hidden, self.tracks, associations, labelled)
+        emerged |= entered(self.tracks, associations, labelled)
         return FrameClaims(labelled, emerged)
 
     def _judge(
@@ -241,8 +242,8 @@ class Run:
                 cap = associated.caps.get(n, 1.0)
                 outcomes[n] = settle(track, frame.view, found, given, self.asked, cap)
         left = frame.free.copy()
-        for outcome in outcomes.values():
-            left[outcome.points] = False
+        for points in chain((each.points for each in outcomes.values()), claims.emerged.values()):
+            left[points] = False
         outcomes |= self.people.step(frame.view, self.background, left, frame.fixed)
         self.people.carry(frame.view, outcomes)
         return FrameOutcomes(outcomes, claims.emerged)
@@ -329,6 +330,7 @@ class Run:
             elif label in outcomes.emerged:
                 states[label] = self._emerge(track, view, outcomes.emerged[label])
                 view.labels[label] = outcomes.emerged[label]
+                self.people.join(view, self.background, label)
             elif label in outcomes.settled:
                 states[label] = outcomes.settled[label].state
                 points = together(outcomes.settled[label].points, rules.anchors(label))
@@ -354,16 +356,17 @@ class Run:
         return _painted(len(points), pose)
 
     def _emerge(self, track: Track, view: View, points: I64) -> TrackState:
-        """Restart a large object from its reappeared part."""
+        """Restart a large object from its reappeared part, or an entering one as a body."""
         options = self.options.track
         state = self._begin_anew(track, view, points)
         renewed = self.tracks[track.label]
-        renewed.extent, renewed.size, renewed.confidence, renewed.appearance = (
-            track.span,
-            track.size,
-            options.emerged_confidence,
-            track.appearance,
-        )
+        renewed.confidence = options.emerged_confidence
+        if track.large:
+            renewed.extent, renewed.size, renewed.appearance = (
+                track.span,
+                track.size,
+                track.appearance,
+            )
         return replace(state, confidence=options.emerged_confidence, state="tracked")
 
 

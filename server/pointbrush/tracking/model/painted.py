@@ -12,15 +12,15 @@ from pointbrush.tracking.options.tracks import ObjectOptions
 from pointbrush.tracking.sensors.view import View
 
 
-def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
-    """Return whether the picture's edge cuts off a painted object of ``radius`` metres.
+def cut_off_by_edge(view: View, indices: I64, radius: float) -> tuple[bool, bool]:
+    """Return whether the picture's edge cuts off a painted object of ``radius`` metres, or may.
 
     Many of its points lie at the edge, or it is as large as a part of a person and touches the edge
     along much of its width.  If no unlabelled point reaches as far, the object itself ends there.
     """
     options = view.options.track
     if view.lens is None:
-        return False
+        return False, False
     others, away, touch = ~view.labelled(), np.inf, 0.0
     row, column = np.divmod(view.cells.cell, view.lens.shape[1])
     for at, along in ((row, column), (column, row)):
@@ -30,8 +30,9 @@ def cut_off_by_edge(view: View, indices: I64, radius: float) -> bool:
                 away = np.minimum(away, gap)
                 contact = np.unique(along[indices][gap < options.edge_px])
                 touch = max(touch, len(contact) / (np.ptp(along[indices]) + 1))
-    wide = touch > options.contact_share and radius > options.cut_m
-    return wide or float(np.mean(away < options.edge_px)) > options.edge_share
+    wide = touch > options.contact_share
+    cut = (wide and radius > options.cut_m) or np.mean(away < options.edge_px) > options.edge_share
+    return bool(cut), wide
 
 
 def away_from(view: View, xyz: F64) -> float:
@@ -96,14 +97,16 @@ class Painted:
     """Properties of an object in the painted frame.
 
     ``flat``: lying on the ground; ``sheet``: a flat object, such as a door; ``broad``: as broad as
-    part of a person; ``cut``: cut off by the edge of the picture; ``grounded``: painted with the
-    ground below it; ``with_flying``: painted with the flying pixels at its outline.
+    part of a person; ``cut``: cut off by the edge of the picture; ``entering``: touches the edge
+    and may be a small part of a person; ``grounded``: painted with the ground below it;
+    ``with_flying``: painted with the flying pixels at its outline.
     """
 
     flat: bool
     sheet: bool
     broad: bool
     cut: bool
+    entering: bool = False
     grounded: bool = False
     with_flying: bool = False
 
@@ -111,11 +114,13 @@ class Painted:
     def of(view: View, indices: I64, xyz: F64, radius: float) -> Painted:
         """Return the properties of points ``indices`` (M,) at ``xyz`` (M, 3), ``radius`` in m."""
         options = view.options.track
+        cut, entering = cut_off_by_edge(view, indices, radius)
         return Painted(
             flat=float(view.low[indices].mean()) > options.flat_share,
             sheet=uneven(xyz, options=options) < options.sheet_radii * radius,
             broad=radius > options.part_m
             and across_way(xyz) > options.broad_m
             and away_from(view, xyz) > options.afar_m,
-            cut=cut_off_by_edge(view, indices, radius),
+            cut=cut,
+            entering=entering,
         )

@@ -147,6 +147,7 @@ class ObjectOptions(Options):
     edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
     contact_share: float = 0.3  # share of its width along the edge that touches it likewise
     cut_m: float = 0.2  # minimum metres of radius for that contact
+    entering_frames: int = 4  # frames in which a smaller one is judged again
     sampled_points: PositiveInt = 400  # sampled points for distances to neighbours
     lone_spacing_m: float = 0.02  # metres between points if they are too few
     min_spacing_m: PositiveFloat = 0.0001  # metres between points at least, where all are one point

@@ -12,8 +12,8 @@ from scipy.spatial import cKDTree
 from pointbrush.tracking.compute.grid import close_to, perhaps_near
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import F32, I64, Mask
-from pointbrush.tracking.model.registration import Registration
-from pointbrush.tracking.model.track import OtherMovers, Track
+from pointbrush.tracking.model.registration import Registration, no_points
+from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.options.people import BodyOptions
 from pointbrush.tracking.options.sensors import BackgroundOptions
 from pointbrush.tracking.people.foreground import OTHER, Foreground
@@ -47,6 +47,35 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
             found[label] = points
             gone.add(number)
     return found
+
+
+def entered(
+    tracks: Mapping[int, Track], associations: Associations, labelled: Mapping[int, LabelledPoints]
+) -> dict[int, I64]:
+    """Return by label the bodies of people of whom only a small part was painted at an edge.
+
+    The painted object is judged again, with the surface connected to it that is visible now.
+    """
+    view, found = associations.view, dict[int, I64]()
+    options = view.options
+    new = [n for n in labelled if _may_be_entering(tracks[n])]
+    moving = np.flatnonzero(associations.unclaimed(but=new)) if new else no_points()
+    moving = moving[associations.background.certain(view, moving)]
+    for label in new:
+        track, own = tracks[label], labelled[label].points
+        foreground = Foreground.of(view, moving, _cell_size([track], options.body))
+        for cells in foreground.bodies(options.body.min_part_cells):
+            points = foreground.indices[np.isin(foreground.cell, cells)]
+            if np.isin(own, points).sum() > options.body.majority_share * len(own):
+                body = begin(view, label, points, track.unit, OtherMovers.none())
+                found |= {label: points} if body.large else {}
+    return found
+
+
+def _may_be_entering(track: Track) -> bool:
+    """Return whether a small object was painted at an edge of the picture in the last frames."""
+    recent = len(track.motion.poses) <= track.options.track.entering_frames
+    return track.painted.entering and recent and not track.large
 
 
 def _cell_size(tracks: Iterable[Track], options: BodyOptions) -> float:
