@@ -6,9 +6,11 @@ Real recordings are those of ``example_sets``; ``room`` is generated.
 
 A stroke is a ball of fixed radius with the class of the point in its middle; it is made smaller
 where a tenth of what it takes is of other classes.  ``worst``: where most points are wrong;
-``doubt``: where `GET …/doubt` leads; ``random``: at a random point.  ``there`` is the taught
-frame, ``later`` the drive's last frame, ``elsewhere`` other parts, drives, samples and rooms.
+``doubt``: the piece of the first doubt is answered; ``random``: at a random point.  ``there`` is
+the taught frame, ``later`` the drive's last frame, ``elsewhere`` other parts, drives, samples and
+rooms.
 ``start``: classifiers start from the other recordings, which are labelled completely before.
+``expected`` is the score less the accuracy of the points that are not painted.
 ``picture``: from a stroke's call to the answer with every point's class.
 """
 
@@ -138,31 +140,43 @@ class Annotator:
         away = np.linalg.norm(self.xyz[members] - np.median(self.xyz[members], axis=0), axis=1)
         return int(members[away.argmin()])
 
-    def doubt(self) -> int:
+    def answer(self) -> None:
+        """Answer the first doubt with the class of the point in its middle."""
         query = {"classifier": self.classifier, "frame": self.place.frame, "most": 1}
         where = f"/sequences/{self.place.recording}/doubt"
-        found = self.api.get(where, params=query).raise_for_status().json()
-        return int(self.tree.query(found[0]["centre"])[1])
+        found = self.api.get(where, params=query).raise_for_status().json()[0]
+        label = self.labels[int(self.truth[self.tree.query(found["centre"])[1]])]
+        place = {key: found[key] for key in ("frame", "centre", "radius")}
+        body = {"classifier": self.classifier, "place": place, "class": label or None}
+        self.api.post(f"{where}/answers", json=body).raise_for_status()
+
+    def surprise(self, found: NDArray[np.int64]) -> float:
+        """Return by how much the score exceeds the accuracy of the points that are not painted."""
+        where = f"/sequences/{self.place.recording}/frames/{self.place.frame}/annotation"
+        answer = self.api.get(where, params={"layer": "label"}).raise_for_status()
+        open_ = (np.load(io.BytesIO(answer.content)) == 0) & (self.truth > 0)
+        taught = self.api.post(f"/classifiers/{self.classifier}/teach", json={"recordings": []})
+        score = taught.raise_for_status().json()["score"]
+        true = float((found == self.truth)[open_].mean())
+        return float("nan") if score is None else score - true
 
     def run(self, way: str, seed: int) -> dict[int, list[dict[str, float]]]:
         """Scores after so many strokes: there, and in each of the others."""
         rng, reached = np.random.default_rng(seed), {}
         found = np.zeros(len(self.truth), np.int64)
         for number in range(1, max(AT) + 1):
-            if way == "worst":
-                point = self.worst(found, rng)
-            elif way == "doubt" and number > 1:
-                point = self.doubt()
-            else:
-                point = int(rng.integers(len(self.truth)))
             start = time.perf_counter()
-            self.stroke(point)
+            if way == "doubt" and number > 1:
+                self.answer()
+            else:
+                by_chance = int(rng.integers(len(self.truth)))
+                self.stroke(self.worst(found, rng) if way == "worst" else by_chance)
             if way != "random" or number in AT:
                 found = self.predict(self.place)
                 self.seconds.append(time.perf_counter() - start)
             if number in AT:
                 count = len(self.place.made.classes)
-                here = scores(self.truth, found, count)
+                here = scores(self.truth, found, count) | {"expected": self.surprise(found)}
                 there = [scores(o.made.truth, self.predict(o), count) for o in self.others]
                 reached[number] = [dict(here), *map(dict, there)]
         return reached
@@ -197,6 +211,9 @@ def score(
             f"{key} {np.mean([f[key] for f in found]):.3f} (worst {min(f[key] for f in found):.3f})"
             for key in ("OA", "mIoU")
         )
+        if where == "there":
+            gaps = [f["expected"] for f in found]
+            figures += f"  expected {np.nanmean(gaps):+.3f} (off by {np.nanmean(np.abs(gaps)):.3f})"
         print(f"{kind:7} {way:7} {number:3} strokes  {where:10} {figures}", flush=True)
     told = np.quantile(seconds, [0.5, 0.95])
     points = len(made[names[0]][0].truth)
