@@ -8,25 +8,7 @@ import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { frameRange, ordered } from '../store/range';
 import { canEdit, state } from '../store/state';
 import { coloursOf, type Question } from './model';
-import {
-  answerable,
-  answerDoubt,
-  answered,
-  applyPrediction,
-  asking,
-  classifier,
-  classifiers,
-  closeExample,
-  exampleOpen,
-  leaveQuestion,
-  makeClassifier,
-  predicted,
-  question,
-  skipDoubt,
-  starts,
-  takeBackAnswer,
-  toggleExample,
-} from './store';
+import { answerable, answerDoubt, answered, applyPrediction, asking, classifier, classifiers, closeExample, exampleOpen, leaveQuestion, makeClassifier, predicted, question, skipDoubt, starts, takeBackAnswer, toggleExample } from './store'; // prettier-ignore
 import { Summary } from './summary';
 
 export function ExampleButton() {

@@ -7,21 +7,7 @@ import { PopoverButton } from '../panels/parts/popover';
 import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { canEdit, canManage, state } from '../store/state';
 import { coloursOf, type Prediction, type Scope, type Tally, talliesOf } from './model';
-import {
-  chooseClassifier,
-  classifier,
-  classifiers,
-  closeExample,
-  deleteClassifier,
-  exampleOpen,
-  makeClassifier,
-  natural,
-  nextDoubt,
-  only,
-  predicted,
-  scope,
-  teachHere,
-} from './store';
+import { chooseClassifier, classifier, classifiers, closeExample, deleteClassifier, exampleOpen, makeClassifier, natural, nextDoubt, only, predicted, scope, teachHere } from './store'; // prettier-ignore
 
 function ExamplePanel() {
   const shown = exampleOpen.value && state.xr.value.session !== 'running';

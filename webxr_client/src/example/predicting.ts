@@ -10,20 +10,7 @@ import { notify, state } from '../store/state';
 import { follow, watch } from '../store/watch';
 import { lookedAt } from './looking';
 import { classOf, coloursOf, idsOf, mapColours, type Prediction } from './model';
-import {
-  asking,
-  classifier,
-  exampleOpen,
-  ignored,
-  leaveQuestion,
-  looking,
-  natural,
-  only,
-  predict,
-  predicted,
-  question,
-  showPlace,
-} from './store';
+import { asking, classifier, exampleOpen, ignored, leaveQuestion, looking, natural, only, predict, predicted, question, showPlace } from './store'; // prettier-ignore
 
 /** Edits and frames come one after the other: the server is asked once they rest, milliseconds. */
 const REST_MS = 120;

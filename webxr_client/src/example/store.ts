@@ -7,14 +7,7 @@ import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
 import { marked, markedFrom } from '../work/places';
 import { workOpen } from '../work/store';
-import {
-  labelOf,
-  predictionOf,
-  type Classifier,
-  type Prediction,
-  type Question,
-  type Scope,
-} from './model';
+import { labelOf, predictionOf, type Classifier, type Prediction, type Question, type Scope } from './model'; // prettier-ignore
 
 /** Distance from which a doubt is looked at, in radii of its piece, and metres at least. */
 const [RADII_AWAY, LEAST_AWAY] = [10, 3];

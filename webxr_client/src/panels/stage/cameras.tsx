@@ -3,18 +3,7 @@ import { computed } from '@preact/signals';
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { Lens, type CameraPicture } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
-import {
-  askedPiece,
-  largeCamera,
-  largeOpacity,
-  outlines,
-  pictures,
-  pointAt,
-  pointAway,
-  pointed,
-  projectedFrame,
-  stripOpen,
-} from '../../cameras/state';
+import { askedPiece, largeCamera, largeOpacity, outlines, pictures, pointAt, pointAway, pointed, projectedFrame, stripOpen } from '../../cameras/state'; // prettier-ignore
 import { aimAt } from '../../cameras/strip';
 import { apiUrl } from '../../net/rest';
 import { state } from '../../store/state';
