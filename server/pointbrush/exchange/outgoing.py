@@ -174,7 +174,7 @@ def _pool(url: httpx.URL, network: _Network, bounds: Bounds) -> httpcore.Connect
 
 @cache
 def _trusted() -> ssl.SSLContext:
-    """Trust the system's certificate authorities and those of certifi."""
+    """Trust the system's and certifi's certificate authorities."""
     context = ssl.create_default_context()
     context.load_verify_locations(certifi.where())
     return context
@@ -219,7 +219,7 @@ class _Network(httpcore.NetworkBackend):
 
 @dataclass
 class _Stream(httpcore.NetworkStream):
-    """A connection whose reads and writes end at the network's deadline."""
+    """A connection with reads and writes that end at the network's deadline."""
 
     inner: httpcore.NetworkStream
     network: _Network

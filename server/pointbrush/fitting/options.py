@@ -52,9 +52,9 @@ class FitOptions:
     most_rays: int = 6000
     """Maximum number of rays of a frame."""
     lowest_sensor: float = 0.5
-    """Metres above the ground; a lower position is the origin of a vehicle, and not a sensor …"""
+    """Metres above the ground; a lower position is the origin of a vehicle and not a sensor."""
     roof: float = 1.8
-    """… which is this many metres above the ground, on the roof."""
+    """Metres above the ground of the sensor on the roof of such a vehicle."""
     ground_cell: float = 0.5
     """Metres; width of the cells for the lowest points, on the ground."""
     ground_reach: float = 4.0

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 _CORNERS = np.array(list(product((-0.5, 0.5), repeat=3)))
 _EDGES = np.array([(a, b) for a in range(8) for b in range(a + 1, 8) if (a ^ b).bit_count() == 1])
-"""Pairs of corners (12, 2) whose numbers differ in one axis."""
+"""Pairs of corners (12, 2), by numbers that differ in one axis."""
 SLACK = 1e-9
 """Metres by which the clipping box is enlarged: common faces stay common after rounding."""
 PARALLEL = 1e-12
@@ -40,7 +40,7 @@ def iou_matrix(sizes_a: Floats, Ts_a: Floats, sizes_b: Floats, Ts_b: Floats) -> 
 def shared_volume(size_a: Floats, T_a: Floats, size_b: Floats, T_b: Floats) -> float:
     """Compute the volume that two boxes share, cubic metres; arguments as of ``iou_3d``.
 
-    The corners of what they share are the ends of the edges of each, clipped by the other.
+    The corners of the shared volume are the ends of each box's edges, clipped by the other box.
     """
     from scipy.spatial import ConvexHull, QhullError
 

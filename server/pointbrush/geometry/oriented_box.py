@@ -26,9 +26,9 @@ class BoxPose:
     """Place of a box in one frame.
 
     ``centre`` (3,) metres and ``quaternion`` (4,) x, y, z, w, of length 1, of the rotation from the
-    box's axes (x forward, y left, z up) to the frame's coordinates, those of its points in source
-    coordinates.  ``confidence`` 0..1.  ``attributes`` hold in this frame alone and go before those
-    of the box (``occluded``, ``truncated``, free ones).
+    box's axes (x forward, y left, z up) to the source coordinates of the frame's points.
+    ``confidence`` 0..1.  ``attributes`` hold in this frame alone and precede the
+    attributes of the box (``occluded``, ``truncated``, free ones).
     """
 
     centre: Floats
