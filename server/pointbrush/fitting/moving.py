@@ -67,9 +67,8 @@ def start_of(
 
 def _of_size(prior: SizePrior, size: Floats, options: FitOptions) -> SizePrior:
     """Return a prior of the common size (3,) of several frames."""
-    length, width, height = size
-    a, b, c = np.maximum(options.size_noise * size, options.size_least)
-    return replace(prior, mean=(length, width, height), spread=(a, b, c))
+    a, b, c = (options.agreed_spread * each for each in prior.spread)
+    return replace(prior, mean=(size[0], size[1], size[2]), spread=(a, b, c))
 
 
 def _moves(views: list[View], path: Floats, options: FitOptions) -> bool:

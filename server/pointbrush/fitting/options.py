@@ -93,10 +93,8 @@ class FitOptions:
     """Minimum motion of an object, in metres, for a known front."""
     agreeing: int = 3
     """Minimum number of frames whose common size decides on the yaw in each of them."""
-    size_noise: float = 0.06
-    """Standard deviation, as a share, of the common size of single frames …"""
-    size_least: float = 0.1
-    """… and its minimum in metres."""
+    agreed_spread: float = 0.7
+    """Standard deviation of this size, as a share of that of the class."""
     start_noise: float = 0.3
     """Metres; standard deviation of a position that is found in a single frame."""
     acceleration: float = 4.0

@@ -102,8 +102,6 @@ def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | N
     shares = (np.abs(lowest[:, None] - levels) < 0.1).sum(axis=0)
     level = levels[int(np.argmax(shares >= 0.5 * shares.max()))]
     on = np.abs(lowest - level) < 0.15
-    if not on.any():
-        return None
     away = (cells[on] + 0.5) * options.ground_cell - (low[:2] + high[:2]) / 2
     return _sloping(away, lowest[on], options)
 
