@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 
-from pointbrush import printing
+from pointbrush.commands.importing import imported
 from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
 from pointbrush.formats.tables.corrections import Corrections
@@ -97,8 +97,8 @@ def test_a_guessed_axis_is_stated(
     found = preview(ImportRequest((path,), chosen=chosen), Limits())
     result = bring(workspace, path, chosen=chosen)
     assert (found.up, found.up_from) == (result["up"], result["up_from"]) == (up, source)
-    said = " ".join(printing.imported(result).lines)
-    assert (f"up is {up}, guessed" in said) == (source == "guessed")
+    lines = " ".join(imported(result).lines)
+    assert (f"up is {up}, guessed" in lines) == (source == "guessed")
 
 
 def test_an_empty_tile_says_so(workspace: Workspace, tmp_path: Path) -> None:

@@ -33,7 +33,7 @@ def import_(given: argparse.Namespace, place: Place) -> Answer:
     if given.dry_run:
         return together(_previewed(place.preview(paths, **options)) for paths in recordings)
     jobs = [place.start_import(paths, **options) for paths in recordings]
-    return together(_imported(finished(place, job)) for job in jobs)
+    return together(imported(finished(place, job)) for job in jobs)
 
 
 def _recordings(given: argparse.Namespace) -> list[list[Path]]:
@@ -105,7 +105,7 @@ def _camera(camera: Mapping[str, Any]) -> str:
     )
 
 
-def _imported(result: Mapping[str, Any]) -> Answer:
+def imported(result: Mapping[str, Any]) -> Answer:
     """Describe the result of an import's job."""
     dropped = f", {result['dropped']:,} invalid left out" if result["dropped"] else ""
     frames = "1 frame" if result["frames"] == 1 else f"{result['frames']} frames"
