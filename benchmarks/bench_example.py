@@ -211,9 +211,10 @@ def score(
             f"{key} {np.mean([f[key] for f in found]):.3f} (worst {min(f[key] for f in found):.3f})"
             for key in ("OA", "mIoU")
         )
-        if where == "there":
-            gaps = [f["expected"] for f in found]
-            figures += f"  expected {np.nanmean(gaps):+.3f} (off by {np.nanmean(np.abs(gaps)):.3f})"
+        gaps = np.array([f.get("expected", np.nan) for f in found])
+        gaps = gaps[np.isfinite(gaps)]  # without those that are not measured yet
+        if len(gaps):
+            figures += f"  expected {gaps.mean():+.3f} (off by {np.abs(gaps).mean():.3f})"
         print(f"{kind:7} {way:7} {number:3} strokes  {where:10} {figures}", flush=True)
     told = np.quantile(seconds, [0.5, 0.95])
     points = len(made[names[0]][0].truth)
