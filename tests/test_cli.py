@@ -17,7 +17,7 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.settings import Settings
-from pointbrush.teamwork.projects import Change
+from pointbrush.values.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.faults.server import running
 from tests.serving import settings_in
@@ -173,7 +173,7 @@ def test_each_in_a_folder_becomes_a_recording_of_a_project(
     recording: Path, workspace: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with closing(Workspace(Settings(workspace=workspace))) as opened:
-        opened.labels.team.projects.create("night", Change("Night"))
+        opened.labels.team.projects.create("night", ProjectPatch("Night"))
     drives = tmp_path / "drives"
     (drives / "drive 2").mkdir(parents=True)
     for place in (drives / "drive 2" / "0.npz", drives / "drive 10.npz"):

@@ -119,7 +119,7 @@ def runner(seen: Seen, scheduler: str) -> Iterator[JobRunner]:
 
 
 def submit(runner: JobRunner, seen: Seen, work: Count) -> Job:
-    return runner.submit(Job("tracking", "s"), work, seen)
+    return runner.submit(Job(kind="tracking", sequence="s"), work, seen)
 
 
 def test_a_job_reports_and_hands_over_everything_before_it_finishes(
@@ -142,7 +142,7 @@ class Priority:
 
 def test_work_gives_way_to_the_server(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
-        job = runner.submit(Job("tracking", "s"), Priority(), seen)
+        job = runner.submit(Job(kind="tracking", sequence="s"), Priority(), seen)
         assert runner.wait(job.id, PATIENCE).state == "done"
     server = os.getpriority(os.PRIO_PROCESS, 0)
     assert seen.items[0] > server or server == 19  # which nothing can give way to
@@ -163,7 +163,7 @@ class Mark:
 def test_a_worker_that_was_made_ready_does_the_next_job(seen: Seen) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         runner.make_ready(leave_a_mark)
-        job = runner.submit(Job("tracking", "s"), Mark(), seen)
+        job = runner.submit(Job(kind="tracking", sequence="s"), Mark(), seen)
         assert runner.wait(job.id, PATIENCE).state == "done"
     assert seen.items == ["ready"]
     others = multiprocessing.active_children()

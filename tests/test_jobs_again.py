@@ -44,8 +44,8 @@ def test_a_job_whose_worker_died_is_begun_once_more(
     tmp_path: Path,
 ) -> None:
     with closing(JobRunner(seen.jobs.append, workers=1, scheduler=scheduler)) as runner:
-        job = runner.submit(Job("tracking", "s"), DieOnce(tmp_path / "died"), seen)
-        other = runner.submit(Job("tracking", "t"), Count(2), Receiver())
+        job = runner.submit(Job(kind="tracking", sequence="s"), DieOnce(tmp_path / "died"), seen)
+        other = runner.submit(Job(kind="tracking", sequence="t"), Count(2), Receiver())
         job, other = runner.wait(job.id, PATIENCE), runner.wait(other.id, PATIENCE)
     assert (job.state, job.error, other.state) == ("done", None, "done")
     assert seen.items == list(range(6))
@@ -75,7 +75,7 @@ def test_a_scheduler_that_begins_anew_is_found_and_jobs_say_what_they_wait_for(
 
 
 def submit(runner: JobRunner, seen: Seen) -> Job:  # noqa: F811
-    return runner.submit(Job("tracking", "s"), Count(2), seen)
+    return runner.submit(Job(kind="tracking", sequence="s"), Count(2), seen)
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def test_an_import_whose_worker_died_at_the_end_is_made_anew(
     work = ImportWork(ImportRequest((tmp_path / "scan.xyz",)), FolderTarget(target), "scan")
     with closing(JobRunner(seen.jobs.append, workers=1)) as runner:
         died = DieAtTheEnd(work, tmp_path / "died")
-        job = runner.submit(Job("import", "scan"), died, seen)
+        job = runner.submit(Job(kind="import", sequence="scan"), died, seen)
         job = runner.wait(job.id, PATIENCE)
     assert (job.state, job.error) == ("done", None)
     assert (tmp_path / "died").exists()

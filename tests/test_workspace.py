@@ -102,8 +102,8 @@ def test_the_same_stroke_twice_is_applied_once(workspace: Workspace) -> None:
     }
     first = workspace.strokes.apply(SEQUENCE, 0, fields, "ada")
     again = workspace.strokes.apply(SEQUENCE, 0, fields, "ada")
-    assert (again.edit_id, again.changed, again.revision) == (
-        first.edit_id,
+    assert (again.edit, again.changed, again.revision) == (
+        first.edit,
         first.changed,
         first.revision,
     )

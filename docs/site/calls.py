@@ -37,7 +37,7 @@ health = client.call("GET", "/session").json()
 
 # Client.preview
 seen = client.preview("recording")  # a folder of this machine, uploaded
-print(seen["format"], seen["frames"], seen["warnings"])
+print(seen.format, seen.frames, seen.warnings)
 
 # Client.start_import
 job = client.start_import("recording", name="later")
@@ -355,10 +355,10 @@ print(nights.info.tasks, nights.info.people)
 nights.change(recordings=["room", "juggling"])
 
 # Project.statistics
-print(nights.statistics()["classes"])
+print(nights.statistics().classes)
 
 # Client.entries
-print([entry["name"] for entry in client.entries(server_path=Path("sequences").resolve())])
+print([entry.name for entry in client.entries(server_path=Path("sequences").resolve())])
 
 # Project.import_each
 jobs = nights.import_each(server_path=Path("sequences").resolve())
@@ -391,10 +391,10 @@ hook = nights.add_webhook("https://lab.example.org/hook", ["task"])
 print(nights.webhooks())
 
 # Project.deliveries
-print(nights.deliveries(hook["id"]))
+print(nights.deliveries(hook.id))
 
 # Project.delete_webhook
-nights.delete_webhook(hook["id"])
+nights.delete_webhook(hook.id)
 
 # Project.snapshot
 version = nights.snapshot("first delivery")

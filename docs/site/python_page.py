@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 import typing
 from collections.abc import Iterator
 
@@ -11,6 +12,7 @@ import griffe
 from examples import calls
 
 from pointbrush import client
+from pointbrush.values.base import descriptions
 
 CLIENTS = """
 
@@ -29,6 +31,7 @@ If the server refuses a call, the client raises the error that the answer names.
       show_root_heading: false
 """
 PACKAGE = "pointbrush.client."
+MODULES = re.compile(r"pointbrush\.(client|values)\.(\w+\.)?(?=[A-Z])|collections\.abc\.|typing\.")
 
 
 def python() -> str:
@@ -46,26 +49,21 @@ def python() -> str:
 
 def _fields(kind: type) -> Iterator[str]:
     """Write a table of a dataclass's fields."""
-    yield from ("| field | type | default |", "|---|---|---|")
-    hints = typing.get_type_hints(kind)
+    yield from ("| field | type | default | meaning |", "|---|---|---|---|")
+    hints, texts = typing.get_type_hints(kind), descriptions(kind)
     for field in dataclasses.fields(kind):
         made = field.default_factory is not dataclasses.MISSING
         default = "made anew" if made else f"`{field.default!r}`"
         given = default if made or field.default is not dataclasses.MISSING else "required"
         shown = inspect.formatannotation(hints[field.name]).replace("|", "\\|")
-        yield f"| `{field.name}` | {_plain(shown)} | {given} |"
+        meaning = texts.get(field.name, "").replace("``", "`")
+        yield f"| `{field.name}` | {_plain(shown)} | {given} | {meaning} |"
     yield ""
 
 
 def _plain(annotation: str) -> str:
     """Return an annotation without the names of modules."""
-    for module in (
-        "pointbrush.client.values.",
-        "pointbrush.client.",
-        "collections.abc.",
-        "typing.",
-    ):
-        annotation = annotation.replace(module, "")
+    annotation = MODULES.sub("", annotation)
     return f"`{annotation}`" if "|" not in annotation else annotation
 
 

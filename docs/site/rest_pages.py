@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+import textwrap
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from functools import cache
@@ -32,6 +33,8 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Server and jobs": ("server", "jobs"),
 }
 """Pages, and the tags of the calls on each."""
+WIDTH = 76
+"""Characters in a line of an example, which a window of 1280 pixels shows whole."""
 
 
 @cache
@@ -89,13 +92,20 @@ def _call(title: str, call: dict[str, Any], exchange: dict[str, Any]) -> Iterato
     yield from (f"## `{title}`", "", call.get("description", call.get("summary", "")), "")
     parameters = [each for each in call.get("parameters", []) if each["in"] != "path"]
     rows = [
-        (f"`{each['name']}` ({each['in']})", _kind(each["schema"]), each.get("description", ""))
+        (f"`{each['name']}` ({each['in']})", _kind(each["schema"]), _meaning(each))
         for each in parameters
     ]
     content = call.get("requestBody", {}).get("content", {})
-    rows += [(f"body, `{kind}`", _kind(each["schema"]), "") for kind, each in content.items()]
     rows += [
-        (f"answer {status}, `{kind}`", _kind(each["schema"]), "")
+        (f"body, `{kind}`", _kind(each["schema"]), _about(each["schema"]))
+        for kind, each in content.items()
+    ]
+    rows += [
+        (
+            f"answer {status}, `{kind}`",
+            _kind(each["schema"]),
+            _about(each["schema"]) or answer["description"],
+        )
         for status, answer in call["responses"].items()
         if status.startswith("2")
         for kind, each in answer.get("content", {}).items()
@@ -108,6 +118,22 @@ def _call(title: str, call: dict[str, Any], exchange: dict[str, Any]) -> Iterato
         yield from _exchange(title.split()[0], exchange, list(content))
     elif title in WITHOUT_ONE:
         yield from (WITHOUT_ONE[title], "")
+
+
+def _meaning(parameter: Mapping[str, Any]) -> str:
+    """Return the description of a parameter, and the meanings of its values."""
+    schema = parameter["schema"]
+    parts = (parameter, schema, *schema.get("anyOf", []))
+    return " ".join(dict.fromkeys(part["description"] for part in parts if "description" in part))
+
+
+def _about(schema: dict[str, Any]) -> str:
+    """Return the first paragraph about a body or an answer."""
+    schema = schema.get("items", schema)
+    if "$ref" in schema:
+        name = schema["$ref"].rsplit("/", 1)[-1]
+        schema = description()["components"]["schemas"][name]
+    return str(schema.get("description", "")).split("\n\n")[0]
 
 
 def _exchange(verb: str, exchange: dict[str, Any], kinds: list[str]) -> Iterator[str]:
@@ -124,13 +150,20 @@ def _exchange(verb: str, exchange: dict[str, Any], kinds: list[str]) -> Iterator
     yield from ("```", "")
 
 
-def _json(value: Any) -> str:
-    """Return JSON with a line for each member, and what is short on one."""
+def _json(value: Any, indent: str = "") -> str:
+    """Return JSON in lines of at most ``WIDTH`` characters, except longer texts."""
     short = json.dumps(value, ensure_ascii=False)
-    if len(short) < 80 or not isinstance(value, dict):
+    if len(indent) + len(short) <= WIDTH or not isinstance(value, dict | list):
         return short
-    lines = [f'  "{name}": {json.dumps(each, ensure_ascii=False)}' for name, each in value.items()]
-    return "{\n" + ",\n".join(lines) + "\n}"
+    inner = indent + "  "
+    if isinstance(value, dict):
+        lines = [f"{json.dumps(name)}: {_json(each, inner)}" for name, each in value.items()]
+    elif any(isinstance(each, dict | list) for each in value):
+        lines = [_json(each, inner) for each in value]
+    else:
+        return textwrap.fill(short, WIDTH, subsequent_indent=indent + " ", break_long_words=False)
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return f"{opening}\n{inner}" + f",\n{inner}".join(lines) + f"\n{indent}{closing}"
 
 
 def _schemas(schemas: Mapping[str, Any]) -> Iterator[str]:

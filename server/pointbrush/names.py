@@ -8,10 +8,8 @@ import unicodedata
 from pathlib import Path
 
 from pointbrush.errors import BadInputError
+from pointbrush.values.kinds import HIDDEN
 
-HIDDEN = r"\x00-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069"
-"""Control, line breaking and bidirectional characters, as the inside of a regular expression's
-class: Python's, JavaScript's and Rust's read it alike."""
 SCRATCH = "headset_check"
 """Id of the recording for headset checks; ids made from names have no underscore."""
 _HIDDEN = re.compile(f"[{HIDDEN}]")

@@ -15,13 +15,13 @@ from pointbrush.labels import versions
 from pointbrush.labels.boxes import journal as box_journal
 from pointbrush.labels.classes import palette
 from pointbrush.teamwork import projects, tasks, webhooks
-from pointbrush.teamwork.projects import Change
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch
+from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.tasks import NewTasks
 from pointbrush.work.classifiers import files
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.projects import queue
-from pointbrush.work.projects.queue import NewTasks
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 
@@ -30,7 +30,7 @@ PROJECT = "default"
 
 
 def add_project(store: WorkspaceStore, number: int) -> object:
-    return store.team.projects.create(f"project-{number}", Change())
+    return store.team.projects.create(f"project-{number}", ProjectPatch())
 
 
 def add_snapshot(store: WorkspaceStore, number: int) -> object:

@@ -67,7 +67,7 @@ def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy)
         assert store.tokens.check(secret) is not None
 
         proxy.lost = (b"COMMIT\0",)
-        store.jobs.add(record_of(Job("import", "wall", owner="ann")))
+        store.jobs.add(record_of(Job(kind="import", sequence="wall", owner="ann")))
         assert [job.author for job in store.jobs.all()] == ["ann"]
 
         proxy.lost = (b"COMMIT\0",)

@@ -13,9 +13,9 @@ import pytest
 from pointbrush.accounts.roles import Role
 from pointbrush.database import backup
 from pointbrush.errors import ConflictError, NotFoundError
-from pointbrush.teamwork.projects import Change
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch, Task, Wanted
+from pointbrush.values.projects import ProjectPatch
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import old_workspace
@@ -107,30 +107,30 @@ def test_a_recording_moves_when_its_tasks_are_over_and_a_project_goes_when_it_is
     store: WorkspaceStore,
 ) -> None:
     projects = store.team.projects
-    projects.create("night", Change(name="Night", roles={"ada": "reviewer"}))
+    projects.create("night", ProjectPatch(name="Night", roles={"ada": "reviewer"}))
     add(store, 1)
     with pytest.raises(ConflictError, match="not accepted yet"):
-        projects.change("night", Change(recordings=[SEQUENCE]))
+        projects.change("night", ProjectPatch(recordings=[SEQUENCE]))
     store.team.tasks.change(PROJECT, 1, "lead", lambda task: replace(task, state="accepted"))
-    assert projects.change("night", Change(recordings=[SEQUENCE])).recordings == (SEQUENCE,)
+    assert projects.change("night", ProjectPatch(recordings=[SEQUENCE])).recordings == (SEQUENCE,)
     access = store.team.access
     assert access.to_sequence(SEQUENCE, "ada", "annotator") == "annotator"
     assert access.to_sequence(SEQUENCE, "bob", "reviewer") is None
     assert access.to_sequence(SEQUENCE, "bob", "manager") == "manager"
     with pytest.raises(ConflictError, match="has 'juggling'"):
         projects.remove("night")
-    projects.change(PROJECT, Change(recordings=[SEQUENCE]))
+    projects.change(PROJECT, ProjectPatch(recordings=[SEQUENCE]))
     projects.remove("night")
     assert [each.id for each in projects.all()] == [PROJECT]
     with pytest.raises(NotFoundError, match="taxonomy"):
-        projects.change(PROJECT, Change(categories=[7]))
+        projects.change(PROJECT, ProjectPatch(categories=[7]))
 
 
 def test_they_move_with_the_database_and_go_with_the_recording(
     store: WorkspaceStore, url: str, tmp_path: Path
 ) -> None:
     add(store, 2)
-    store.team.projects.change(PROJECT, Change(name="First", roles={"ada": "viewer"}))
+    store.team.projects.change(PROJECT, ProjectPatch(name="First", roles={"ada": "viewer"}))
     backup.back_up(store.database, tmp_path / "copy.sqlite")
     backup.restore(tmp_path / "copy.sqlite", f"sqlite:///{tmp_path / 'again.sqlite'}")
     with closing(WorkspaceStore(f"sqlite:///{tmp_path / 'again.sqlite'}")) as again:
@@ -150,9 +150,9 @@ def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
             "Default",
             ("ball", "hall"),
         )
-        other = workspace.labels.team.projects.create("other", Change(recordings=["ball"]))
+        other = workspace.labels.team.projects.create("other", ProjectPatch(recordings=["ball"]))
         make_backup(workspace.labels, workspace.library, tmp_path / "backup")
-        workspace.labels.team.projects.change(PROJECT, Change(recordings=["ball"]))
+        workspace.labels.team.projects.change(PROJECT, ProjectPatch(recordings=["ball"]))
         workspace.labels.team.projects.remove("other")
         restored = workspace.restore_from_backup(tmp_path / "backup", "ball")
         assert other.recordings == ("ball",)
@@ -166,7 +166,7 @@ def test_an_old_workspace_is_one_project(tmp_path: Path) -> None:
 def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
     store: WorkspaceStore,
 ) -> None:
-    store.team.projects.create("night", Change(roles={"ada": "annotator"}))
+    store.team.projects.create("night", ProjectPatch(roles={"ada": "annotator"}))
     access = store.team.access
 
     def seen(account: str) -> bool:
@@ -188,7 +188,7 @@ def test_an_id_of_a_closed_projects_recording_tells_nobody_else_of_the_next_one(
 def test_deleted_recordings_of_a_closed_project_stay_hidden_after_it_is_removed(
     store: WorkspaceStore, roles: dict[str, Role]
 ) -> None:
-    store.team.projects.create("night", Change(roles=roles))
+    store.team.projects.create("night", ProjectPatch(roles=roles))
     store.recordings.register("shelf", [3], "one", "night")
     number = store.recordings.delete("shelf").number
     store.team.projects.remove("night")
@@ -197,7 +197,7 @@ def test_deleted_recordings_of_a_closed_project_stay_hidden_after_it_is_removed(
     assert access.to_number(number, "ada", "annotator") == seen
     assert access.to_number(number, "bob", "annotator") == seen
     assert access.to_number(number, "lead", "manager") == "manager"
-    store.team.projects.create("night", Change(roles={"bob": "annotator"}))
+    store.team.projects.create("night", ProjectPatch(roles={"bob": "annotator"}))
     assert access.to_number(number, "bob", "annotator") == seen, "the next project of this id"
     store.recordings.restore(number, "shelf")
     assert "shelf" in store.team.projects.get(PROJECT).recordings

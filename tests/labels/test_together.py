@@ -55,7 +55,7 @@ def test_edits_that_wait_share_a_transaction(store: WorkspaceStore) -> None:
         with pytest.raises(LockedLabelError):
             waiting.pop(1).result()
         done = [one.result() for one in waiting]
-    assert [commit.edit_id for commit in done] == ["a", "ccc", "a", "dddd"]
+    assert [commit.edit for commit in done] == ["a", "ccc", "a", "dddd"]
     assert [commit.revision - before for commit in done] == [1, 2, 1, 3]
     assert [commit.repeated for commit in done] == [False, False, True, False]
     assert len(begun) == 1

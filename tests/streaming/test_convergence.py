@@ -303,7 +303,7 @@ def test_a_job_is_told_once_the_database_says_whom_it_is_for(workspace: Workspac
             person = Person(hub, "ada", sees)
             await person.connect()
             await comes_true(lambda: person.revision is not None)
-            job = Job("tracking", "wall", state="done")
+            job = Job(kind="tracking", sequence="wall", state="done")
             workspace._listeners.tell(job)
             await comes_true(lambda: job.id in person.jobs)
             await person.leave()

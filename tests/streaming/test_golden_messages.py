@@ -153,11 +153,11 @@ SERVER: list[m.Message] = [
             m.Box(
                 id=3,
                 label=65534,
-                size=[4.5, 1.75, 1.5],
+                size=(4.5, 1.75, 1.5),
                 poses={
                     "7": m.BoxPose(
-                        centre=[500010.5, -4000000.25, 0.75],
-                        quaternion=[0.0, 0.0, 0.6, 0.8],
+                        centre=(500010.5, -4000000.25, 0.75),
+                        quaternion=(0.0, 0.0, 0.6, 0.8),
                         provenance="fitted",
                         confidence=0.5,
                         attributes={"truncated": 0.25},
@@ -201,7 +201,7 @@ def plain(value: Any) -> Any:
         return {"$bytes": base64.b64encode(value).decode()}
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value
 

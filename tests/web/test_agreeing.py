@@ -70,12 +70,12 @@ def test_three_people_disagree_where_nobody_sees_the_others_and_the_majority_is_
         assert client.next_task() is None, "nobody labels a copy of what they have labelled"
     with pytest.raises(ForbiddenError):
         people["ada"].projects["default"].agreement("room")
-    pairs = {(each["first"], each["second"]): each for each in project.agreement("room")}
+    pairs = {(each.first, each.second): each for each in project.agreement("room")}
     found = pairs[copies["ada"], copies["bob"]]
-    (missed,) = found["places"]
-    assert (missed["kind"], missed["first"], missed["points"]) == ("missed", ["tree"], 100)
-    assert len(missed["place"]) == 3
-    assert found["agreement"]["same"] == 0.5
+    (missed,) = found.places
+    assert (missed.kind, missed.first, missed.points) == ("missed", ("tree",), 100)
+    assert len(missed.place) == 3
+    assert found.agreement.same == 0.5
     assert project.merge("room").changed == 200
     values = lead["room"].frames[0].annotation()
     assert (values[:100] == car).all()
@@ -104,12 +104,12 @@ def test_places_are_merged_one_by_one_and_tell_whose_labels_are_there(
         paint(people[name], task.sequence, (car, 0, size), (own, 200, 200 + size))
         mine.put_task(task.number, state="done")
 
-    def places() -> list[tuple[str, list[list[int]], int | None]]:
+    def places() -> list[tuple[str, tuple[tuple[int, ...], ...], int | None]]:
         (pair,) = project.agreement("room")
-        found = [(each["kind"], each["labels"], each["has"]) for each in pair["places"]]
+        found = [(each.kind, each.labels, each.has) for each in pair.places]
         return sorted(found, key=lambda each: each[1])
 
-    assert places() == [("outline", [[1], [1]], None), ("outline", [[2], [2]], None)]
+    assert places() == [("outline", ((1,), (1,)), None), ("outline", ((2,), (2,)), None)]
     for take, size in (("ada", 100), ("bob", 40), ("ada", 100)):
         labels = {copies["ada"]: [2], copies["bob"]: [2]}
         project.merge("room", copies[take], labels, frame=0)
@@ -164,13 +164,13 @@ def test_frames_of_known_truth_score_who_labels_them(people: dict[str, Client]) 
     copy = ada[task.sequence]
     assert not copy.frames[0].annotation().any()
     assert [each.name for each in copy.labels()] == ["car", "tree"]
-    assert ada.projects["default"].statistics()["classes"] == []  # as the truth has them
-    assert {each["name"] for each in project.statistics()["classes"]} == {"car", "tree"}
+    assert ada.projects["default"].statistics().classes == ()  # as the truth has them
+    assert {each.name for each in project.statistics().classes} == {"car", "tree"}
     other = copy.create_label("car 2", category="car").id
     paint(ada, task.sequence, (car, 0, 100), (other, 200, 300))
     assert project.scores() == []
     ada.projects["default"].put_task(task.number, state="done")
     (score,) = project.scores()
-    assert (score["person"], score["frames"]) == ("ada", 2)
-    assert (score["found"], score["missed"], score["added"]) == (1, 1, 1)
-    assert score["miou"] == pytest.approx(0.25)
+    assert (score.person, score.frames) == ("ada", 2)
+    assert (score.found, score.missed, score.added) == (1, 1, 1)
+    assert score.miou == pytest.approx(0.25)

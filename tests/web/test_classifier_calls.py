@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pointbrush.client import AsyncClient, Client, Place, Recording
+from pointbrush.client import AsyncClient, Client, HeldOut, Place, Recording
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import import_frames
@@ -73,7 +73,7 @@ def test_a_classifier_predicts_and_labels(client: Client, hall: Recording) -> No
     near = hall.by_example.doubt(made.id, frame=0, near=[1.5, 1.5, 0.0], most=1)
     assert near[0].frame == 0
     result = hall.by_example.apply(made.id, "1", 0.2)
-    assert result["changed"] > 0
+    assert result.changed > 0
     values = hall.frames[1].annotation("provenance")
     assert set(np.unique(values)) <= {0, PREDICTED}
     assert hall.frames[1].annotation("confidence").max() > 128
@@ -190,7 +190,7 @@ def test_a_classifier_starts_from_labels_of_other_recordings(client: Client) -> 
     made = client.classifiers.create("yards", ["yard"], start_from=["hall"])
     assert made.start_from == ("hall",)
     assert made.taught_by == {"yard": 0}
-    assert made.held_out["wall"] == {"accuracy": None, "places": 0}
+    assert made.held_out["wall"] == HeldOut(None, 0)
     assert made.above == 0.5
     found = yard.by_example.predict(made.id, 0)
     assert ((found.kind == 2) == IS_WALL).mean() > 0.97

@@ -54,7 +54,7 @@ def test_the_whole_way(served: Served, tmp_path: Path) -> None:
         report = wall.import_labels([tmp_path / "000000.label"], dry_run=True)
         assert report["labelled"] == len(xyz) // 2
         held = {each.format: each.cannot_hold for each in client.export_formats()}
-        assert held["labels-only"] == []
+        assert held["labels-only"] == ()
         assert "provenance" in held["ply"]
         out = wall.export("npz", tmp_path / "out.zip", frames="0:1")
         with zipfile.ZipFile(out) as archive:
@@ -115,7 +115,7 @@ def test_folders_are_uploaded_as_they_are(served: Served, tmp_path: Path) -> Non
     (folder / ".hidden").write_text("no part of it")
     with Client(served.url, TOKEN) as client:
         preview = client.preview([folder.parent])
-        assert (preview["frames"], preview["format"]) == (3, "npy")
+        assert (preview.frames, preview.format) == (3, "npy")
         recording = client.import_files([folder.parent], fps=5.0, drop_invalid=True)
         assert (recording.name, recording.manifest.fps) == ("drift", 5.0)
         assert (recording.frames[2].points()["xyz"] == 2).all()
@@ -132,8 +132,8 @@ def test_a_path_is_of_this_machine_unless_it_is_named_as_the_servers(tmp_path: P
             np.save(folder / f"{i}.npy", np.ones((20, 3), np.float32))
     settings = settings_in(tmp_path, import_roots=str(inbox))
     with serving(settings) as served, Client(served.url, TOKEN) as client:
-        assert client.preview(str(mine))["frames"] == client.preview(mine)["frames"] == 2
-        assert client.preview(server_path=inbox)["frames"] == 1
+        assert client.preview(str(mine)).frames == client.preview(mine).frames == 2
+        assert client.preview(server_path=inbox).frames == 1
         assert client.wait(client.start_import(str(mine)))["frames"] == 2
         assert client.wait(client.start_import(server_path=str(inbox)))["frames"] == 1
         assert len(client.import_files(str(mine)).frames) == 2
@@ -251,7 +251,7 @@ def test_the_review(served: Served, tmp_path: Path) -> None:
             (1, None),
             (None, 1),
         ]
-        assert [line["state"] for line in wall.review.history(2)] == ["accepted", "rejected"]
+        assert [line.state for line in wall.review.history(2)] == ["accepted", "rejected"]
         assert [each.settled for each in wall.review.checks()] == [True]
         assert wall.review.agreement("wall").same is None
         boxes = wall.review.agreement("wall", boxes=True).boxes

@@ -38,7 +38,7 @@ def test_an_annotator_checks_in_a_recording_that_no_list_contains(
     lead: Client, annotator: Client
 ) -> None:
     project = lead.projects["default"]
-    before = project.statistics()["recordings"]
+    before = project.statistics().recordings
     project.change(roles={"someone": "viewer"})
     sequence = annotator.call("POST", "/headset-checks").json()["sequence"]
     scratch = annotator[sequence]
@@ -50,7 +50,7 @@ def test_an_annotator_checks_in_a_recording_that_no_list_contains(
         listed = one.call("GET", "/sequences?copies=true").json()
         found = one.call("GET", "/sequences?q=check").json()
         assert sequence not in [entry["id"] for entry in listed + found]
-    assert project.statistics()["recordings"] == before
+    assert project.statistics().recordings == before
     assert sequence not in lead.projects["default"].info.recordings
     # The next check begins without the strokes of this one.
     assert annotator.call("POST", "/headset-checks").json()["sequence"] == sequence

@@ -87,7 +87,7 @@ def test_the_dashboard_asks_for_metrics_that_are_served() -> None:
     metrics = Metrics()
     metrics.watch_queues(dict)
     metrics.watch_backups(float, float)
-    metrics.job(Job("import", None, state="done"))
+    metrics.job(Job(kind="import", state="done"))
     panels = json.loads(DASHBOARD.read_text())["panels"]
     asked = {
         name

@@ -101,7 +101,7 @@ def test_a_task_goes_from_its_lead_to_a_person_to_a_reviewer_and_back(
     assert info.name in night._repr_html_()
     assert info.tasks == {"accepted": 1, "open": 1, "taken": 1}
     assert info.people == {"": {"open": 1}, "ada": {"accepted": 1, "taken": 1}}
-    assert [line["state"] for line in lead.task_history(1)][:2] == ["accepted", "done"]
+    assert [line.state for line in lead.task_history(1)][:2] == ["accepted", "done"]
     assert [task.number for task in lead.tasks(person="ada")] == [1, 2]
 
 
@@ -175,9 +175,9 @@ def test_jobs_of_a_project_are_not_told_to_others(
     tokens = served.workspace.labels.tokens
     secrets = {role: tokens.add(role, f"a {role}") for role in ("annotator", "manager")}
     told = (
-        Job("tracking", "night"),
-        Job("import", "not-there-yet", request={"project": "night"}),
-        Job("tracking", "day"),
+        Job(kind="tracking", sequence="night"),
+        Job(kind="import", sequence="not-there-yet", request={"project": "night"}),
+        Job(kind="tracking", sequence="day"),
     )
 
     assert heard_jobs(served, secrets["annotator"], *told) == ["day"]
@@ -189,7 +189,7 @@ def test_a_recording_with_the_id_of_a_deleted_one_is_another_one(
 ) -> None:
     """The first one is in a project that the guest has no role in, the second one in none."""
     lead, guest = people["lead"], people["guest"]
-    before = Job("tracking", "twice")
+    before = Job(kind="tracking", sequence="twice")
     cloud = served.workspace.settings.roots[0] / "twice.xyz"
     cloud.write_text("".join(f"{x} 0 0\n" for x in range(20)))
     secret = served.workspace.labels.tokens.add("annotator", "guest two")
@@ -204,9 +204,9 @@ def test_a_recording_with_the_id_of_a_deleted_one_is_another_one(
     assert "twice" in {each.id for each in guest.sequences()}
     assert "twice" not in {each.id for each in guest.deleted()}
     assert "twice" in {each.id for each in lead.deleted()}
-    after = Job("tracking", "twice")
+    after = Job(kind="tracking", sequence="twice")
     assert heard_jobs(served, secret, before, after) == ["twice"]
-    assert heard_jobs(served, secret, before, Job("tracking", "day")) == ["day"]
+    assert heard_jobs(served, secret, before, Job(kind="tracking", sequence="day")) == ["day"]
     lead["twice"].delete()
 
 
@@ -245,11 +245,11 @@ def test_recordings_are_found_by_name_class_label_state_and_person(
     assert found(class_="car", label="brickwork") == found(state="taken") == []
     assert [each.id for each in people["guest"].search(person="ada")] == ["day"]
     figures = project.statistics()
-    assert figures["recordings"] == figures["labelled_frames"] == figures["objects"] == 1
-    ((cars,), (mine,)) = figures["classes"], figures["people"]
-    assert (cars["name"], mine["name"], mine["edits"]) == ("car", "ada", 2)
-    assert cars["points"] == mine["points"] > 0
-    assert cars["hours"] == mine["hours"] > 0
+    assert figures.recordings == figures.labelled_frames == figures.objects == 1
+    ((cars,), (mine,)) = figures.classes, figures.people
+    assert (cars.name, mine.name, mine.edits) == ("car", "ada", 2)
+    assert cars.points == mine.points > 0
+    assert cars.hours == mine.hours > 0
     project.put_task(1, state="open")
 
 
@@ -263,12 +263,12 @@ def test_a_folder_of_recordings_comes_in_at_once(people: dict[str, Client], serv
     lead = people["lead"]
     project = lead.projects["night"]
     found = lead.entries(inbox / "drives")
-    assert [(each["name"], Path(each["path"]).parent) for each in found] == [
+    assert [(each.name, Path(each.path).parent) for each in found] == [
         ("drive 2", inbox / "drives"),
         ("drive 10", inbox / "drives"),
     ]
     texts = (inbox / "drives" / "drive 2").iterdir()
-    assert found[0]["bytes"] == sum(text.stat().st_size for text in texts)
+    assert found[0].bytes == sum(text.stat().st_size for text in texts)
     with pytest.raises(ForbiddenError):
         people["ada"].entries(inbox / "drives")
     with pytest.raises(ForbiddenError):

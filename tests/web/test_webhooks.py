@@ -101,13 +101,13 @@ def test_a_receiver_that_fails_is_told_again_and_each_event_is_signed(tmp_path: 
         assert {frame for each in told()["labels"] for frame in each["frames"]} == {0, 1}
         headers, body, _ = receiver.heard[0]
         signed = f"{headers['webhook-id']}.{headers['webhook-timestamp']}.".encode() + body
-        digest = hmac.new(made["secret"].encode(), signed, hashlib.sha256).digest()
+        digest = hmac.new(made.secret.encode(), signed, hashlib.sha256).digest()
         assert headers["webhook-signature"] == f"v1,{base64.b64encode(digest).decode()}"
         failed = {headers["webhook-id"] for headers, _, status in receiver.heard if status == 500}
         assert failed <= {event["id"] for event in receiver.taken()}
-        eventually(lambda: all(each["delivered"] for each in project.deliveries(made["id"])))
-        assert "secret" not in project.webhooks()[0]
-        project.delete_webhook(made["id"])
+        eventually(lambda: all(each.delivered for each in project.deliveries(made.id)))
+        assert not hasattr(project.webhooks()[0], "secret")
+        project.delete_webhook(made.id)
         assert project.webhooks() == []
 
 

@@ -20,8 +20,8 @@ from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import Category, Label
 from pointbrush.sequences import import_frames
 from pointbrush.settings import Settings
-from pointbrush.teamwork.projects import Change
 from pointbrush.teamwork.summaries import Effort, Search
+from pointbrush.values.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -249,7 +249,7 @@ def test_what_cannot_be_merged_is_refused(workspace: Workspace) -> None:
 
 def test_versions_projects_and_searches_follow(workspace: Workspace, tmp_path: Path) -> None:
     store, car = workspace.labels, number_of(workspace, "car")
-    selected = Change("Streets", [car], recordings=["drive"])
+    selected = ProjectPatch("Streets", categories=[car], recordings=["drive"])
     store.team.projects.create("streets", selected)
     version = workspace.versions.create("streets", "First", "ann").id
     before = exported(workspace, "semantickitti", tmp_path / "before", version)

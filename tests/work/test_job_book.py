@@ -29,7 +29,7 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
         assert closed.wait(PATIENCE)
         runner.submit(job, Count(), Receiver())
 
-    waiting = Job("import", "s", request={"call": "again"})
+    waiting = Job(kind="import", sequence="s", request={"call": "again"})
     with closing(WorkspaceStore(url)) as store, caplog.at_level(logging.WARNING):
         store.jobs.add(record_of(waiting))
         store.jobs.release([waiting.id], "")

@@ -228,7 +228,7 @@ def test_a_refined_object_takes_the_place_of_the_first_and_stays_one_undo(
     stroke = {
         "samples": both["positives"],
         "candidate": answer.candidates[answer.first].id,
-        "replaces": one.edit_id,
+        "replaces": one.edit,
         "id": str(uuid.uuid4()),
     }
     take(workspace, **stroke)
@@ -242,7 +242,7 @@ def test_only_the_last_edit_can_be_replaced(workspace: Workspace) -> None:
     one = take(workspace)
     workspace.labels.create_label(SEQUENCE, "ada", name="three")
     with pytest.raises(ConflictError, match="replaces: expected your last edit"):
-        take(workspace, replaces=one.edit_id)
+        take(workspace, replaces=one.edit)
 
 
 def test_a_clip_box_bounds_an_object(workspace: Workspace) -> None:

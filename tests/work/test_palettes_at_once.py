@@ -9,8 +9,10 @@ from threading import Barrier
 
 import pytest
 
+from pointbrush.labels import LabelStore
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.palettes import NamedLabel, add_labels
+from pointbrush.values.labels import PaletteLabel
+from pointbrush.work.palettes import add_labels
 
 ROUNDS, LABELS = 8, 30
 
@@ -22,8 +24,8 @@ def test_no_label_takes_the_place_of_another(tmp_path: Path, servers: int) -> No
         stores = [stack.enter_context(closing(WorkspaceStore(url))) for _ in range(servers)]
         ready = Barrier(2)
 
-        def add(store: WorkspaceStore, sequence: str, person: str) -> list[str]:
-            wanted = [NamedLabel(f"{person} {k}", person) for k in range(LABELS)]
+        def add(store: LabelStore, sequence: str, person: str) -> list[str]:
+            wanted = [PaletteLabel(f"{person} {k}", person) for k in range(LABELS)]
             store.revision(sequence)
             ready.wait()
             return add_labels(store, sequence, wanted, person)

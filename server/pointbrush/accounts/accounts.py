@@ -31,8 +31,8 @@ from pointbrush.database.statements import Statement, driver_of, upsert
 from pointbrush.database.statements import insert as insert_new
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.names import require_visible
+from pointbrush.values.accounts import LONGEST_NAME
 
-LONGEST_NAME = 128
 OWNER = "owner"
 """The account of scripts that send the server's own token."""
 RESERVED = frozenset({OWNER, "command line", "import"})

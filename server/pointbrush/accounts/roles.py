@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import get_args
 
 from pointbrush.errors import ForbiddenError
+from pointbrush.values.kinds import Role as Role
 
-Role = Literal["viewer", "annotator", "reviewer", "manager", "admin"]
-ROLES: tuple[Role, ...] = get_args(Role)
+ROLES: tuple[Role, ...] = get_args(get_args(Role)[0])
 """All roles, lowest first."""
 
 

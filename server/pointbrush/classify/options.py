@@ -6,21 +6,19 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from pointbrush.errors import BadInputError
+from pointbrush.values.classifiers import LARGEST_CELL as LARGEST_CELL
+from pointbrush.values.classifiers import MOST_CLASSES as MOST_CLASSES
+from pointbrush.values.classifiers import NAME_LENGTH as NAME_LENGTH
 
 MOST_BYTES = 64 * 2**20
 """Of a classifier's file, unpacked."""
-MOST_CLASSES = 64
 MOST_IGNORED = 1000
 """Places that a classifier ignores."""
-NAME_LENGTH = 128
-"""Characters in a name of a classifier or class."""
 MOST_TREES = 1_024
 """Trees in a classifier's file."""
 MOST_DEPTH = 64
 """Nodes from a root to a leaf in a classifier's file: longer ways would take minutes a frame."""
 SMALLEST_CELL = 1e-6
-"""Metres, in a classifier's file."""
-LARGEST_CELL = 1e6
 """Metres, in a classifier's file."""
 LARGEST = 1e30
 """Absolute value of a feature, threshold or deviation in a classifier's file."""

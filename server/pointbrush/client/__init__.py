@@ -16,41 +16,47 @@ server.  Arrays are NumPy's, in the order of the points in the source.  A call t
 refuses raises an error of ``pointbrush.errors``.
 """
 
-from pointbrush.client.accounts import Account, Accounts, NewToken, Token
-from pointbrush.client.boxes import Box, Boxes, BoxPose
-from pointbrush.client.classifiers import ByExample, Classifier, Classifiers, Place, Prediction
+from pointbrush.client.accounts import Accounts
+from pointbrush.client.answers import Annotation
+from pointbrush.client.boxes import Box, Boxes
+from pointbrush.client.classifiers import ByExample, Classifiers, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
 from pointbrush.client.headset_reports import HeadsetReport, HeadsetReports
-from pointbrush.client.projects import Difference, Project, ProjectInfo, Projects, Snapshot, Task
+from pointbrush.client.projects import Project, Projects
 from pointbrush.client.recording import Recording
-from pointbrush.client.review import (
+from pointbrush.client.review import Review
+from pointbrush.client.steps import PATIENCE
+from pointbrush.client.watching import Doubt, Watch
+from pointbrush.values.accounts import Account, NewToken, Token
+from pointbrush.values.boxes import BoxPose, FittedBoxes
+from pointbrush.values.classifiers import Classifier, HeldOut, Place
+from pointbrush.values.edits import Edit, PastEdit
+from pointbrush.values.exports import ExportFormat
+from pointbrush.values.frames import Camera
+from pointbrush.values.imports import Entry, ImportPreview
+from pointbrush.values.jobs import Job
+from pointbrush.values.labels import Label
+from pointbrush.values.objects import Candidate
+from pointbrush.values.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
+from pointbrush.values.recordings import Bounds, Manifest
+from pointbrush.values.review import (
     Agreement,
+    BoxAgreement,
+    BoxScore,
     Checked,
+    ClassAgreement,
+    Decision,
     Finding,
     FrameAgreement,
     LabelAgreement,
-    Review,
     Standing,
 )
-from pointbrush.client.steps import PATIENCE
-from pointbrush.client.values import (
-    Annotation,
-    Bounds,
-    BoxAttribute,
-    Camera,
-    Candidate,
-    Category,
-    Edit,
-    ExportFormat,
-    Job,
-    Label,
-    Manifest,
-    PastEdit,
-    Run,
-    Track,
-)
-from pointbrush.client.watching import Doubt, Watch
+from pointbrush.values.snapshots import Difference, FrameDifference, LabelDifference, Snapshot
+from pointbrush.values.tasks import CopyAgreement, Disagreement, Score, Task, TaskEvent
+from pointbrush.values.taxonomy import BoxAttribute, Category
+from pointbrush.values.tracking import Run, Track
+from pointbrush.values.webhooks import Delivery, SecretWebhook, Webhook
 
 __all__ = [
     "PATIENCE",
@@ -61,33 +67,48 @@ __all__ = [
     "AsyncClient",
     "Bounds",
     "Box",
+    "BoxAgreement",
     "BoxAttribute",
     "BoxPose",
+    "BoxScore",
     "Boxes",
     "ByExample",
     "Camera",
     "Candidate",
     "Category",
     "Checked",
+    "ClassAgreement",
+    "ClassFigures",
     "Classifier",
     "Classifiers",
     "Client",
+    "CopyAgreement",
+    "Decision",
+    "Delivery",
     "Difference",
+    "Disagreement",
     "Doubt",
     "Edit",
+    "Entry",
     "ExportFormat",
     "Finding",
+    "FittedBoxes",
     "Frame",
     "FrameAgreement",
+    "FrameDifference",
     "Frames",
     "HeadsetReport",
     "HeadsetReports",
+    "HeldOut",
+    "ImportPreview",
     "Job",
     "Label",
     "LabelAgreement",
+    "LabelDifference",
     "Manifest",
     "NewToken",
     "PastEdit",
+    "PersonFigures",
     "Place",
     "Prediction",
     "Project",
@@ -96,10 +117,15 @@ __all__ = [
     "Recording",
     "Review",
     "Run",
+    "Score",
+    "SecretWebhook",
     "Snapshot",
     "Standing",
+    "Statistics",
     "Task",
+    "TaskEvent",
     "Token",
     "Track",
     "Watch",
+    "Webhook",
 ]

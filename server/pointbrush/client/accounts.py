@@ -2,45 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from datetime import datetime
 from typing import Any
 from urllib.parse import quote
 
+from pointbrush.client.answers import read
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import read
-
-
-@dataclass(frozen=True, slots=True)
-class Token:
-    """A token without its secret; ``expires`` and ``revoked`` None: never."""
-
-    id: str
-    role: str
-    name: str
-    created: datetime
-    expires: datetime | None
-    revoked: datetime | None
-    valid: bool
-
-
-@dataclass(frozen=True, slots=True)
-class NewToken:
-    """A new token of an account: its id, role and secret ``token``, which is shown once."""
-
-    account: str
-    id: str
-    role: str
-    token: str
-
-
-@dataclass(frozen=True, slots=True)
-class Account:
-    """An account with its tokens; ``role`` None: none of them is valid."""
-
-    account: str
-    role: str | None
-    tokens: tuple[Token, ...]
+from pointbrush.values.accounts import Account, NewAccount, NewToken, NewTokenRequest, Token
+from pointbrush.values.kinds import Role
 
 
 class Accounts(Part[L]):
@@ -54,13 +22,13 @@ class Accounts(Part[L]):
 
     @steps
     def create(
-        self, account: str, role: str = "annotator", days: float | None = None
+        self, account: str, role: Role = "annotator", days: float | None = None
     ) -> Steps[NewToken]:
         """Add an account with its first token, valid for ``days`` (None: without end).
 
         Raises ConflictError if the account has a valid token.
         """
-        body = {"account": account, "role": role, "days": days}
+        body = NewAccount(account=account, role=role, days=days).given()
         return (yield from _made(Request("POST", "/accounts", {"json": body})))
 
     @steps
@@ -71,10 +39,10 @@ class Accounts(Part[L]):
 
     @steps
     def add_token(
-        self, account: str, role: str | None = None, days: float | None = None
+        self, account: str, role: Role | None = None, days: float | None = None
     ) -> Steps[NewToken]:
         """Add a token to an account (``role`` None: its own role); raises NotFoundError."""
-        body = {"role": role, "days": days}
+        body = NewTokenRequest(role, days).given()
         return (yield from _made(Request("POST", _tokens(account), {"json": body})))
 
     @steps

@@ -4,46 +4,23 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Literal
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
+from pointbrush.client.answers import read, vector
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import Edit, Vector, read
 from pointbrush.errors import BadInputError
-
-Quaternion = tuple[float, float, float, float]
-AttributeValue = str | float | bool
-Provenance = Literal["fitted", "drawn", "imported"]
-
-
-@dataclass(frozen=True, slots=True)
-class BoxPose:
-    """Pose of a box in a frame: ``centre`` metres, ``quaternion`` x, y, z, w of frame <- box.
-
-    Both are in source coordinates.  ``attributes`` override the attributes of the box.
-    """
-
-    centre: Vector
-    quaternion: Quaternion
-    provenance: Provenance = "drawn"
-    confidence: float = 1.0
-    attributes: Mapping[str, AttributeValue] = field(default_factory=dict)
+from pointbrush.values import boxes as values
+from pointbrush.values.boxes import AttributeValue, BoxPoints, BoxPose, BoxProvenance, NewBox
+from pointbrush.values.edits import Edit
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
-    """An oriented box: ``size`` length, width, height along its x (forward), y (left), z (up).
+class Box(values.Box):
+    """An oriented box of a label, with its poses by number of the frame."""
 
-    ``heading_known`` is False if the front of the object may also be at the opposite end.
-    """
-
-    id: int
-    label: int
-    size: Vector
-    poses: Mapping[int, BoxPose]
-    attributes: Mapping[str, AttributeValue]
-    provenance: Provenance
-    heading_known: bool = True
+    poses: Mapping[int, BoxPose]  # type: ignore[assignment]
+    """Pose in each frame."""
 
 
 class Boxes(Part[L]):
@@ -71,19 +48,17 @@ class Boxes(Part[L]):
         size: Sequence[float],
         poses: Mapping[int, BoxPose],
         attributes: Mapping[str, AttributeValue] | None = None,
-        provenance: Provenance = "drawn",
+        provenance: BoxProvenance = "drawn",
         heading_known: bool = True,
     ) -> Steps[Box]:
         """Add a box as one edit, and return it; ``poses`` by frame."""
-        body = {
-            "label": label,
-            "size": list(size),
-            "poses": {str(frame): _pose(pose) for frame, pose in poses.items()},
-            "attributes": dict(attributes or {}),
-            "provenance": provenance,
-            "heading_known": heading_known,
-        }
-        return (yield from self._edited("POST", self._place, body))
+        placed = {str(frame): _fixed(pose) for frame, pose in poses.items()}
+        length, width, height = (float(side) for side in size)
+        new = NewBox(
+            label, (length, width, height), placed, dict(attributes or {}), provenance,
+            heading_known,
+        )  # fmt: skip
+        return (yield from self._edited("POST", self._place, new.given()))
 
     @steps
     def change(
@@ -106,7 +81,9 @@ class Boxes(Part[L]):
         }  # fmt: skip
         body: dict[str, Any] = {name: each for name, each in given.items() if each is not None}
         if poses is not None:
-            body["poses"] = {str(f): None if p is None else _pose(p) for f, p in poses.items()}
+            body["poses"] = {
+                str(f): None if p is None else asdict(_fixed(p)) for f, p in poses.items()
+            }
         return (yield from self._edited("PATCH", f"{self._place}/{box}", body))
 
     @steps
@@ -122,7 +99,7 @@ class Boxes(Part[L]):
         self, box: int, frames: str | None = None, *, only_unlabeled: bool = False
     ) -> Steps[Edit]:
         """Label the points inside a box with its label, in its frames ``I:J`` (None: all)."""
-        body = {"frames": frames, "only_unlabeled": only_unlabeled, "edit": str(uuid.uuid4())}
+        body = BoxPoints(frames, only_unlabeled, str(uuid.uuid4())).given()
         place = f"{self._place}/{box}/points"
         answer = yield from send(Request("POST", place, {"json": body}, again=True))
         return read(Edit, answer.json())
@@ -171,11 +148,8 @@ def _row(box: Box, frame: int) -> dict[str, Any]:
     return {**dict(zip(COLUMNS, values, strict=True)), **box.attributes, **pose.attributes}
 
 
-def _pose(pose: BoxPose) -> dict[str, Any]:
-    return {
-        "centre": [float(value) for value in pose.centre],
-        "quaternion": [float(value) for value in pose.quaternion],
-        "provenance": pose.provenance,
-        "confidence": pose.confidence,
-        "attributes": dict(pose.attributes),
-    }
+def _fixed(pose: BoxPose) -> BoxPose:
+    """Return a pose with tuples of numbers, also of arrays."""
+    x, y, z, w = (float(value) for value in pose.quaternion)
+    centre = vector(pose.centre) or pose.centre
+    return replace(pose, centre=centre, quaternion=(x, y, z, w))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import httpx
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.client.answers import read, tuple_of, vector
 from pointbrush.client.steps import (
     PATIENCE,
     L,
@@ -25,29 +26,19 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.uploads import AnyPath
-from pointbrush.client.values import Job, Vector, read
-
-
-@dataclass(frozen=True, slots=True)
-class Classifier:
-    """A classifier; ``taught_by``: number of examples by recording; ``examples``: by class.
-
-    ``score``: expected share of correct points; ``held_out``: ``accuracy`` and painted ``places``
-    by class; None if not measured.  ``above``: default limit of the confidence; ``cell``: metres.
-    """
-
-    id: str
-    name: str
-    classes: tuple[str, ...]
-    taught_by: Mapping[str, int]
-    examples: Mapping[str, int]
-    score: float | None
-    cell: float
-    model: str
-    imported: bool
-    held_out: Mapping[str, Mapping[str, Any]]
-    above: float
-    start_from: tuple[str, ...]
+from pointbrush.values.classifiers import (
+    Application,
+    Classifier,
+    DoubtAnswer,
+    DoubtPlace,
+    MoreExamples,
+    NewClassifier,
+    Place,
+    PredictionRequest,
+    Start,
+)
+from pointbrush.values.edits import Edit
+from pointbrush.values.jobs import Job
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,24 +55,6 @@ class Prediction:
     confidence: NDArray[np.uint8]
     classes: tuple[str, ...]
     index: NDArray[np.uint32] | None
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A doubtful place: ``centre`` on a surface and ``radius`` of a stroke on it, source metres.
-
-    ``points``: number in the piece; ``runs`` of them in source order, first number and length;
-    ``classes``: its two most likely classes, the likelier first.
-    """
-
-    sequence: str
-    frame: int
-    centre: Vector
-    radius: float
-    points: int
-    runs: tuple[tuple[int, int], ...]
-    classes: tuple[str, str]
-    doubt: float
 
 
 class Classifiers(Part[L]):
@@ -110,17 +83,17 @@ class Classifiers(Part[L]):
         of the server to use instead of the trees.  ``imported``: train on imported labels as well.
         ``start_from``: labelled recordings; the more is painted here, the less they count.
         """
-        body: dict[str, Any] = {"name": name, "recordings": list(recordings)}
-        body |= {"model": model, "imported": imported, "start_from": list(start_from)}
-        if classes is not None:
-            body["classes"] = list(classes)
+        new = NewClassifier(
+            name, tuple(recordings), tuple_of(classes), model, imported, tuple(start_from)
+        )
+        body = new.given()
         answer = yield from send(Request("POST", "/classifiers", {"json": body}))
         return read(Classifier, answer.json())
 
     @steps
     def teach(self, classifier: str, recordings: Sequence[str] = ()) -> Steps[Classifier]:
         """Train on the current labels, also of further recordings, and save the classifier."""
-        body = {"recordings": list(recordings)}
+        body = MoreExamples(tuple(recordings)).given()
         place = f"/classifiers/{classifier}/teach"
         answer = yield from send(Request("POST", place, {"json": body}, again=True))
         return read(Classifier, answer.json())
@@ -169,8 +142,7 @@ class ByExample(Part[L]):
         ``labels``: predict only these, by id.  ``place`` (3,): predict only near it, source
         metres; a frame of many millions of points needs a place.
         """
-        given = {"classifier": classifier, "labels": labels, "place": place}
-        body = {key: value for key, value in given.items() if value is not None}
+        body = PredictionRequest(classifier, tuple_of(labels), vector(place)).given()
         path = f"/sequences/{self._sequence}/frames/{frame}/prediction"
         return _prediction((yield from send(Request("POST", path, {"json": body}, again=True))))
 
@@ -179,7 +151,8 @@ class ByExample(Part[L]):
         """Return the recordings that a classifier of this one can start from, with classes."""
         path = f"/sequences/{self._sequence}/starts"
         answer = yield from send(Request("GET", path, again=True))
-        return {entry["recording"]: tuple(entry["classes"]) for entry in answer.json()}
+        starts = [read(Start, entry) for entry in answer.json()]
+        return {start.recording: start.classes for start in starts}
 
     @steps
     def doubt(
@@ -222,8 +195,8 @@ class ByExample(Part[L]):
     def _answer(
         self, classifier: str, place: Place, *, label: int | None = None, skip: bool = False
     ) -> Steps[httpx.Response]:
-        about = {"frame": place.frame, "centre": list(place.centre), "radius": place.radius}
-        body = {"classifier": classifier, "place": about, "class": label, "skip": skip}
+        about = DoubtPlace(place.frame, place.centre, place.radius)
+        body = DoubtAnswer(classifier, about, label, skip).given()
         path = f"/sequences/{self._sequence}/doubt/answers"
         return (yield from send(Request("POST", path, {"json": body})))
 
@@ -246,7 +219,7 @@ class ByExample(Part[L]):
     def apply(
         self, /, classifier: str, frames: str = "", above: float | None = None, *,
         progress: bool = False, patience: float = PATIENCE,
-    ) -> Steps[dict[str, Any]]:  # fmt: skip
+    ) -> Steps[Edit]:  # fmt: skip
         """Label unlabeled and predicted points in frames ``I:J``, and wait; return the result.
 
         The labels are one edit of provenance 4 (predicted).  ``above``: minimum confidence, 0 to 1;
@@ -254,14 +227,13 @@ class ByExample(Part[L]):
         ``patience``: as of ``Recording.track``.
         """
         job = yield from self._start(classifier, frames, above, patience)
-        return (yield from finished(job, progress=progress, patience=patience))
+        return read(Edit, (yield from finished(job, progress=progress, patience=patience)))
 
     def _start(
         self, classifier: str, frames: str, above: float | None, patience: float
     ) -> Steps[Job]:
         job = str(uuid.uuid4())
-        body: dict[str, Any] = {"id": job, "classifier": classifier, "frames": frames}
-        body |= {} if above is None else {"above": above}
+        body = Application(classifier, frames, above, job).given()
         place = f"/sequences/{self._sequence}/predictions"
         return started(job, Request("POST", place, {"json": body}, patience=patience))
 

@@ -7,7 +7,6 @@ import os
 import re
 import uuid
 from collections.abc import Sequence
-from dataclasses import asdict
 from types import TracebackType
 from typing import Any, Self
 from urllib.parse import parse_qs, urlsplit, urlunsplit
@@ -15,6 +14,7 @@ from urllib.parse import parse_qs, urlsplit, urlunsplit
 import httpx
 
 from pointbrush.client.accounts import Accounts
+from pointbrush.client.answers import read
 from pointbrush.client.classifiers import Classifiers
 from pointbrush.client.headset_reports import HeadsetReports
 from pointbrush.client.projects import Projects
@@ -34,8 +34,12 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.uploads import AnyPath, Files, upload
-from pointbrush.client.values import BoxAttribute, Category, ExportFormat, Job, Manifest, read
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
+from pointbrush.values.exports import ExportFormat
+from pointbrush.values.imports import Entry, ImportPreview
+from pointbrush.values.jobs import Job
+from pointbrush.values.recordings import Manifest
+from pointbrush.values.taxonomy import BoxAttribute, Category, Taxonomy, TaxonomyChange
 
 TIMEOUT = 60.0
 """Seconds without a byte until a call fails; a job may take longer."""
@@ -189,22 +193,20 @@ class Server(Part[L]):
     @steps
     def preview(
         self, /, files: Files | None = None, *, server_path: AnyPath | None = None, **options: Any
-    ) -> Steps[dict[str, Any]]:
+    ) -> Steps[ImportPreview]:
         """Preview an import: format, frames, fps, columns, warnings and more; nothing is imported.
 
         Arguments as of ``import_files``.  The server keeps uploaded files for an hour: the answer's
         ``upload`` names them to an import.
         """
         request = upload("/imports/preview", files, options, server_path)
-        found: dict[str, Any] = (yield from send(request)).json()
-        return found
+        return read(ImportPreview, (yield from send(request)).json())
 
     @steps
-    def entries(self, server_path: AnyPath) -> Steps[list[dict[str, Any]]]:
-        """Return ``name``, ``path`` and ``bytes`` of each entry of a folder on the server."""
+    def entries(self, server_path: AnyPath) -> Steps[list[Entry]]:
+        """Return the entries of a folder on the server."""
         request = Request("POST", "/imports/entries", {"json": {"path": str(server_path)}})
-        found: list[dict[str, Any]] = (yield from send(request)).json()
-        return found
+        return [read(Entry, entry) for entry in (yield from send(request)).json()]
 
     # ── labels by example ────────────────────────────────────────────────────────────────
 
@@ -236,13 +238,13 @@ class Server(Part[L]):
     def taxonomy(self) -> Steps[list[Category]]:
         """Return the workspace's classes, by number."""
         answer = yield from send(Request("GET", "/taxonomy", again=True))
-        return [read(Category, entry) for entry in answer.json()["categories"]]
+        return list(read(Taxonomy, answer.json()).categories)
 
     @steps
     def box_attributes(self) -> Steps[list[BoxAttribute]]:
         """Return the attributes of boxes beside occluded, truncated and parked."""
         answer = yield from send(Request("GET", "/taxonomy", again=True))
-        return [read(BoxAttribute, entry) for entry in answer.json()["attributes"]]
+        return list(read(Taxonomy, answer.json()).attributes)
 
     @steps
     def change_taxonomy(
@@ -255,9 +257,8 @@ class Server(Part[L]):
         ``attributes`` replaces the list of the attributes of boxes.  Labels of a class follow its
         new name.  Raises ConflictError for a change of a number's meaning.
         """
-        body: dict[str, Any] = {"categories": [asdict(each) for each in categories]}
-        if attributes is not None:
-            body["attributes"] = [asdict(each) for each in attributes]
+        every = None if attributes is None else tuple(attributes)
+        body = TaxonomyChange(tuple(categories), every).given()
         yield from send(Request("PUT", "/taxonomy", {"json": body}, again=True))
 
     @steps

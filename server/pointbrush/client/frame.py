@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, overload
 from urllib.parse import quote
 
@@ -12,18 +12,12 @@ import httpx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pointbrush.client.answers import Annotation, array_of, layer_of, npy_of, rays, read
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import (
-    Annotation,
-    Camera,
-    Candidate,
-    Edit,
-    array_of,
-    layer_of,
-    npy_of,
-    rays,
-    read,
-)
+from pointbrush.values.edits import Edit
+from pointbrush.values.frames import Camera
+from pointbrush.values.objects import Candidate, Candidates
+from pointbrush.values.tracking import Clearing, Copying
 
 
 class Frame(Part[L]):
@@ -42,7 +36,7 @@ class Frame(Part[L]):
         place = f"/sequences/{self._sequence}/frames/{self.index}{path}"
         return send(Request(method, place, options, again=again or method == "GET"))
 
-    def _edit(self, path: str, body: dict[str, Any]) -> Steps[Edit]:
+    def _edit(self, path: str, body: Mapping[str, Any]) -> Steps[Edit]:
         named = {"id": str(uuid.uuid4()), **body}
         answer = yield from self._call("POST", path, json=named, again=True)
         return read(Edit, answer.json())
@@ -148,12 +142,12 @@ class Frame(Part[L]):
         if negatives is not None:
             body["negatives"] = rays(*negatives)
         answer = yield from self._call("POST", "/object", json=body, again=True)
-        return [read(Candidate, entry) for entry in answer.json()["candidates"]]
+        return list(read(Candidates, answer.json()).candidates)
 
     @steps
     def copy_labels(self, source: int, labels: Sequence[int]) -> Steps[Edit]:
         """Copy ``labels`` from the points at the same place in frame ``source``."""
-        return (yield from self._edit("/copy", {"source": source, "labels": list(labels)}))
+        return (yield from self._edit("/copy", Copying(tuple(labels), source).given()))
 
     @steps
     def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
@@ -161,8 +155,7 @@ class Frame(Part[L]):
 
         Painted points lose the labels as well; ``recording.clear`` clears only tracked points.
         """
-        body = {"labels": list(labels)} | ({} if stop is None else {"stop": stop})
-        return (yield from self._edit("/clear", body))
+        return (yield from self._edit("/clear", Clearing(tuple(labels), stop).given()))
 
 
 class Frames(Part[L], Sequence[Frame[L]]):

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+from pointbrush.client.answers import read
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.values import read
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,91 +4,29 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from datetime import datetime
-from typing import Any, Literal
+from typing import Any
 
+from pointbrush.client.answers import html_table, read, tuple_of, vector
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
 from pointbrush.client.uploads import AnyPath
-from pointbrush.client.values import Edit, Job, Vector, html_table, read
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """A task: label frames ``first`` to ``last``, both included, of recording ``sequence``.
-
-    ``state``: open, taken, done, review, accepted, returned.  ``note`` is pinned to ``place`` in
-    ``frame``, source coordinates, metres.
-    """
-
-    number: int
-    sequence: str
-    first: int
-    last: int
-    state: str
-    assignee: str
-    reviewer: str
-    note: str
-    frame: int | None
-    place: Vector | None
-    created: datetime
-    changed: datetime
-
-
-@dataclass(frozen=True, slots=True)
-class Snapshot:
-    """A version of a project's labels: the revision of each recording at its time."""
-
-    id: str
-    name: str
-    created: datetime
-    author: str
-    recordings: Mapping[str, int]
-
-
-@dataclass(frozen=True, slots=True)
-class LabelDifference:
-    """A label that differs: it ``came``, ``went`` or was ``changed``."""
-
-    label: int
-    name: str
-    kind: str
-
-
-@dataclass(frozen=True, slots=True)
-class FrameDifference:
-    """Points of a frame that gained, lost or changed their label; ids of labels in it."""
-
-    frame: int
-    came: int
-    went: int
-    changed: int
-    objects_came: tuple[int, ...]
-    objects_went: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """Difference of a recording's labels between two versions."""
-
-    sequence: str
-    labels: tuple[LabelDifference, ...]
-    frames: tuple[FrameDifference, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class ProjectInfo:
-    """Facts of a project; ``role`` of the caller; number of ``tasks`` by state, and by person."""
-
-    id: str
-    name: str
-    created: datetime
-    role: str
-    roles: Mapping[str, str]
-    categories: tuple[int, ...] | None
-    recordings: tuple[str, ...]
-    tasks: Mapping[str, int]
-    people: Mapping[str, Mapping[str, int]]
+from pointbrush.values.base import UNSET
+from pointbrush.values.edits import Edit
+from pointbrush.values.jobs import Job
+from pointbrush.values.kinds import Role, TaskState
+from pointbrush.values.projects import NewProject, ProjectInfo, ProjectPatch, Statistics
+from pointbrush.values.snapshots import Difference, Snapshot
+from pointbrush.values.tasks import (
+    CopyAgreement,
+    CopyMerge,
+    NewTasks,
+    Region,
+    Score,
+    Task,
+    TaskEvent,
+    TaskPatch,
+    Work,
+)
+from pointbrush.values.webhooks import Delivery, NewWebhook, SecretWebhook, Topic, Webhook
 
 
 class Project(Part[L]):
@@ -114,20 +52,24 @@ class Project(Part[L]):
         return html_table(known.name, facts)
 
     @steps
-    def change(self, /, **fields: Any) -> Steps[ProjectInfo]:
-        """Change the name, roles or categories, or add ``recordings``; return the new facts.
+    def change(
+        self, /, *, name: str | None = None, roles: Mapping[str, Role] | None = None,
+        categories: Sequence[int] | None = UNSET, recordings: Sequence[str] | None = None,
+    ) -> Steps[ProjectInfo]:  # fmt: skip
+        """Change the given values, or add ``recordings``; return the new facts.
 
-        ``categories`` None: all.
+        ``categories``: numbers of the selected classes; None: all classes.
         """
-        answer = yield from send(Request("PATCH", self._place, {"json": fields}, again=True))
+        numbers = categories if categories is UNSET else tuple_of(categories)
+        body = ProjectPatch(name, roles, numbers, tuple_of(recordings)).given()
+        answer = yield from send(Request("PATCH", self._place, {"json": body}, again=True))
         return read(ProjectInfo, answer.json())
 
     @steps
-    def statistics(self) -> Steps[dict[str, Any]]:
+    def statistics(self) -> Steps[Statistics]:
         """Return points, objects and hours, by class and person."""
         answer = yield from send(Request("GET", f"{self._place}/statistics", again=True))
-        found: dict[str, Any] = answer.json()
-        return found
+        return read(Statistics, answer.json())
 
     @steps
     def delete(self) -> Steps[None]:
@@ -145,7 +87,7 @@ class Project(Part[L]):
 
     @steps
     def tasks(
-        self, state: str | None = None, person: str | None = None, sequence: str | None = None
+        self, state: TaskState | None = None, person: str | None = None, sequence: str | None = None
     ) -> Steps[list[Task]]:
         """Return the tasks, by number; optionally only of a state, an assignee or a recording."""
         wanted = {"state": state, "person": person, "sequence": sequence}
@@ -176,14 +118,15 @@ class Project(Part[L]):
         the current labels are ground truth, and hidden from the annotators.  Raises ConflictError
         for frames with a task that is not accepted yet.
         """
-        given = {"recordings": recordings, "frames": frames, "every": every}
-        body: dict[str, Any] = {n: value for n, value in given.items() if value is not None}
-        body |= {"assignee": assignee, "people": people, "truth": truth, "id": str(uuid.uuid4())}
+        new = NewTasks(
+            tuple_of(recordings), frames, every, assignee, people, truth, str(uuid.uuid4())
+        )
+        body = new.given()
         request = Request("POST", f"{self._place}/tasks", {"json": body}, again=True)
         return [read(Task, entry) for entry in (yield from send(request)).json()]
 
     @steps
-    def next_task(self, work: Literal["label", "review"] = "label") -> Steps[Task | None]:
+    def next_task(self, work: Work = "label") -> Steps[Task | None]:
         """Take the next task, or return the caller's current task; None if the queue is empty."""
         request = Request("POST", f"{self._place}/tasks/next", {"json": {"work": work}}, again=True)
         found = (yield from send(request)).json()
@@ -200,7 +143,7 @@ class Project(Part[L]):
         self,
         number: int,
         *,
-        state: str | None = None,
+        state: TaskState | None = None,
         assignee: str | None = None,
         note: str | None = None,
         frame: int | None = None,
@@ -210,14 +153,7 @@ class Project(Part[L]):
 
         Raises ForbiddenError, ConflictError, BadInputError.
         """
-        given = {
-            "state": state,
-            "assignee": assignee,
-            "note": note,
-            "frame": frame,
-            "place": None if place is None else [float(value) for value in place],
-        }
-        body = {name: value for name, value in given.items() if value is not None}
+        body = TaskPatch(state, assignee, note, frame, vector(place)).given()
         request = Request("PATCH", f"{self._place}/tasks/{number}", {"json": body}, again=True)
         return read(Task, (yield from send(request)).json())
 
@@ -227,22 +163,20 @@ class Project(Part[L]):
         yield from send(Request("DELETE", f"{self._place}/tasks/{number}"))
 
     @steps
-    def task_history(self, number: int) -> Steps[list[dict[str, Any]]]:
+    def task_history(self, number: int) -> Steps[list[TaskEvent]]:
         """Return the changes of a task, newest first."""
         request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
-        found: list[dict[str, Any]] = (yield from send(request)).json()
-        return found
+        return [read(TaskEvent, entry) for entry in (yield from send(request)).json()]
 
     # ── agreement ────────────────────────────────────────────────────────────────────────
 
     @steps
-    def agreement(self, sequence: str) -> Steps[list[dict[str, Any]]]:
+    def agreement(self, sequence: str) -> Steps[list[CopyAgreement]]:
         """Compare the copies of a recording in pairs; return agreement and differing places."""
         query = {"sequence": sequence}
         place = f"{self._place}/agreement"
         answer = yield from send(Request("GET", place, {"params": query}, again=True))
-        found: list[dict[str, Any]] = answer.json()
-        return found
+        return [read(CopyAgreement, entry) for entry in answer.json()]
 
     @steps
     def merge(
@@ -256,35 +190,33 @@ class Project(Part[L]):
 
         ``labels``: ids of labels by copy; only their points in ``frame`` are written.
         """
-        body: dict[str, Any] = {"sequence": sequence, "take": take, "id": str(uuid.uuid4())}
+        region = None
         if labels is not None:
-            body["region"] = {"labels": {n: [*e] for n, e in labels.items()}, "frame": frame}
+            region = Region({name: tuple(each) for name, each in labels.items()}, frame)
+        body = CopyMerge(sequence, take, region, str(uuid.uuid4())).given()
         request = Request("POST", f"{self._place}/merge", {"json": body}, again=True)
         return read(Edit, (yield from send(request)).json())
 
     @steps
-    def scores(self) -> Steps[list[dict[str, Any]]]:
+    def scores(self) -> Steps[list[Score]]:
         """Return the scores of each person on tasks with ground truth."""
         answer = yield from send(Request("GET", f"{self._place}/scores", again=True))
-        found: list[dict[str, Any]] = answer.json()
-        return found
+        return [read(Score, entry) for entry in answer.json()]
 
     # ── webhooks ─────────────────────────────────────────────────────────────────────────
 
     @steps
-    def webhooks(self) -> Steps[list[dict[str, Any]]]:
+    def webhooks(self) -> Steps[list[Webhook]]:
         """Return the webhooks of the project."""
         answer = yield from send(Request("GET", f"{self._place}/webhooks", again=True))
-        found: list[dict[str, Any]] = answer.json()
-        return found
+        return [read(Webhook, entry) for entry in answer.json()]
 
     @steps
-    def add_webhook(self, url: str, topics: Sequence[str] | None = None) -> Steps[dict[str, Any]]:
-        """Add a webhook for topics (task, labels, job; None: all); return its id and secret."""
-        body = {"url": url} if topics is None else {"url": url, "topics": list(topics)}
+    def add_webhook(self, url: str, topics: Sequence[Topic] | None = None) -> Steps[SecretWebhook]:
+        """Add a webhook for topics (task, labels, job; None: all); return it with its secret."""
+        body = NewWebhook(url, tuple_of(topics)).given()
         answer = yield from send(Request("POST", f"{self._place}/webhooks", {"json": body}))
-        made: dict[str, Any] = answer.json()
-        return made
+        return read(SecretWebhook, answer.json())
 
     @steps
     def delete_webhook(self, webhook: str) -> Steps[None]:
@@ -292,11 +224,11 @@ class Project(Part[L]):
         yield from send(Request("DELETE", f"{self._place}/webhooks/{webhook}"))
 
     @steps
-    def deliveries(self, webhook: str) -> Steps[list[dict[str, Any]]]:
+    def deliveries(self, webhook: str) -> Steps[list[Delivery]]:
         """Return the latest events of a webhook with their delivery, newest first."""
         place = f"{self._place}/webhooks/{webhook}/deliveries"
-        found: list[dict[str, Any]] = (yield from send(Request("GET", place, again=True))).json()
-        return found
+        answer = yield from send(Request("GET", place, again=True))
+        return [read(Delivery, entry) for entry in answer.json()]
 
     # ── versions ─────────────────────────────────────────────────────────────────────────
 
@@ -345,7 +277,14 @@ class Projects(Part[L]):
         return Project(self._link, read(ProjectInfo, answer.json()))
 
     @steps
-    def create(self, name: str, /, **fields: Any) -> Steps[Project[L]]:
-        """Add a project; ``fields``: id, roles, categories, recordings.  Raises ConflictError."""
-        answer = yield from send(Request("POST", "/projects", {"json": {"name": name, **fields}}))
+    def create(
+        self, name: str, /, *, id: str | None = None, roles: Mapping[str, Role] | None = None,
+        categories: Sequence[int] | None = None, recordings: Sequence[str] | None = None,
+    ) -> Steps[Project[L]]:  # fmt: skip
+        """Add a project and return it; ``categories`` None: all.  Raises ConflictError."""
+        new = NewProject(
+            name=name, id=id, roles=roles, categories=tuple_of(categories),
+            recordings=tuple_of(recordings),
+        )  # fmt: skip
+        answer = yield from send(Request("POST", "/projects", {"json": new.given()}))
         return Project(self._link, read(ProjectInfo, answer.json()))

@@ -6,11 +6,12 @@ import json
 import uuid
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import httpx
 from numpy.typing import ArrayLike
 
+from pointbrush.client.answers import html_table, layer_of, npz_of, read, tuple_of
 from pointbrush.client.boxes import Boxes
 from pointbrush.client.classifiers import ByExample
 from pointbrush.client.frame import Frames
@@ -27,21 +28,22 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.uploads import AnyPath, Files, upload
-from pointbrush.client.values import (
-    Edit,
-    Job,
-    Label,
-    Manifest,
-    PastEdit,
-    Run,
-    Track,
-    html_table,
-    layer_of,
-    npz_of,
-    read,
-)
 from pointbrush.client.watching import Watch
 from pointbrush.errors import NotFoundError
+from pointbrush.values.base import Body
+from pointbrush.values.boxes import BoxFit, FittedBoxes
+from pointbrush.values.edits import Edit, PastEdit
+from pointbrush.values.jobs import Job
+from pointbrush.values.labels import (
+    AddedLabels,
+    Label,
+    LabelPatch,
+    Merge,
+    NewLabel,
+    OfferedCategories,
+)
+from pointbrush.values.recordings import Manifest
+from pointbrush.values.tracking import Overwrite, Run, Stretch, Track, TrackingRequest
 
 
 class Recording(Part[L]):
@@ -93,11 +95,11 @@ class Recording(Part[L]):
         return read(Edit, answer.json())
 
     def _palette_edit(
-        self, method: str, path: str, body: dict[str, Any] | None = None
+        self, method: str, path: str, body: Body | None = None
     ) -> Steps[dict[str, Any]]:
         """Make an edit once, by a call with the edit's id in its query."""
-        query = {"edit": str(uuid.uuid4())}
-        answer = yield from self._call(method, path, again=True, params=query, json=body)
+        query, given = {"edit": str(uuid.uuid4())}, body and body.given()
+        answer = yield from self._call(method, path, again=True, params=query, json=given)
         found: dict[str, Any] = answer.json()
         return found
 
@@ -119,15 +121,25 @@ class Recording(Part[L]):
         raise NotFoundError(f"label: expected one of the palette, got {name!r}")
 
     @steps
-    def create_label(self, /, name: str, **fields: Any) -> Steps[Label]:
-        """Add a label and return it; ``fields``: category, color, id, locked, visible, distinct."""
-        entry = yield from self._palette_edit("POST", "/labels", {"name": name, **fields})
-        return read(Label, entry)
+    def create_label(
+        self, /, name: str, *, category: str = "", color: str | None = None, id: int | None = None,
+        locked: bool = False, visible: bool = True, distinct: bool = False,
+    ) -> Steps[Label]:  # fmt: skip
+        """Add a label and return it; the server chooses a missing ``id`` and ``color``.
+
+        ``distinct``: replace a name or colour that is in use by a free one.
+        """
+        body = NewLabel(name, category, color, id, locked, visible, distinct)
+        return read(Label, (yield from self._palette_edit("POST", "/labels", body)))
 
     @steps
-    def update_label(self, /, label: int, **fields: Any) -> Steps[Label]:
-        """Change a label's name, category, color, locked or visible, and return it."""
-        return read(Label, (yield from self._palette_edit("PATCH", f"/labels/{label}", fields)))
+    def update_label(
+        self, /, label: int, *, name: str | None = None, category: str | None = None,
+        color: str | None = None, locked: bool | None = None, visible: bool | None = None,
+    ) -> Steps[Label]:  # fmt: skip
+        """Change a label and return it; None: no change."""
+        body = LabelPatch(name, category, color, locked, visible)
+        return read(Label, (yield from self._palette_edit("PATCH", f"/labels/{label}", body)))
 
     @steps
     def delete_label(self, label: int) -> Steps[Edit]:
@@ -137,7 +149,7 @@ class Recording(Part[L]):
     @steps
     def merge_labels(self, into: int, labels: Sequence[int]) -> Steps[Edit]:
         """Give all points of ``labels`` to label ``into`` and delete ``labels``, as one edit."""
-        body = {"labels": list(labels)}
+        body = Merge(tuple(labels))
         return read(Edit, (yield from self._palette_edit("POST", f"/labels/{into}/merge", body)))
 
     @steps
@@ -145,15 +157,15 @@ class Recording(Part[L]):
         """Add the classes of a well-known dataset; return the names of the new labels."""
         # A repeated call finds the labels in the palette: it needs no id.
         answer = yield from self._call("POST", "/palette", again=True, json={"template": template})
-        added: list[str] = answer.json()["added"]
-        return added
+        return list(read(AddedLabels, answer.json()).added)
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
 
     @steps
     def categories(self) -> Steps[list[str]]:
         """Return the categories for labels: the selection of the project, or all."""
-        return list((yield from self._call("GET", "/categories")).json()["names"])
+        answer = yield from self._call("GET", "/categories")
+        return list(read(OfferedCategories, answer.json()).names)
 
     @steps
     def undo(self) -> Steps[Edit]:
@@ -197,8 +209,8 @@ class Recording(Part[L]):
     @steps
     def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
         """Mark tracked points of labels in frames ``start`` to ``stop`` as painted."""
-        body = {"labels": list(labels), "start": start, "stop": stop}
-        return (yield from self._edit("POST", "/accept", body))
+        body = Stretch(labels=tuple(labels), start=start, stop=stop)
+        return (yield from self._edit("POST", "/accept", body.given()))
 
     @steps
     def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
@@ -206,63 +218,51 @@ class Recording(Part[L]):
 
         ``frames[i].clear`` removes the labels from painted points as well.
         """
-        body = {"labels": list(labels), "start": start, "stop": stop}
-        return (yield from self._edit("POST", "/clear", body))
+        body = Stretch(labels=tuple(labels), start=start, stop=stop)
+        return (yield from self._edit("POST", "/clear", body.given()))
 
     # ── tracking ─────────────────────────────────────────────────────────────────────────
 
     @steps
     def start_tracking(
-        self,
-        /,
-        labels: Sequence[int] | None,
-        start: int,
-        stop: int,
-        *,
-        patience: float = PATIENCE,
-        **options: Any,
-    ) -> Steps[Job]:
+        self, /, labels: Sequence[int] | None, start: int, stop: int, *, method: str = "auto",
+        overwrite: Overwrite = "tracked", continue_lost: bool = False, until_painted: bool = False,
+        stop_unsure: bool = False, patience: float = PATIENCE,
+    ) -> Steps[Job]:  # fmt: skip
         """Start a tracking run and return its job; arguments as of ``track``."""
-        return (yield from self._tracking(labels, start, stop, options, patience))
+        body = TrackingRequest(
+            start, stop, tuple_of(labels), method, overwrite,
+            continue_lost, until_painted, stop_unsure,
+        )  # fmt: skip
+        return (yield from self._tracking(body, patience))
 
     @steps
     def track(
-        self,
-        /,
-        labels: Sequence[int] | None,
-        start: int,
-        stop: int,
-        *,
-        method: str = "auto",
-        overwrite: Literal["never", "tracked", "all"] = "tracked",
-        progress: bool = True,
-        patience: float = PATIENCE,
-        **options: Any,
-    ) -> Steps[Run]:
+        self, /, labels: Sequence[int] | None, start: int, stop: int, *, method: str = "auto",
+        overwrite: Overwrite = "tracked", continue_lost: bool = False, until_painted: bool = False,
+        stop_unsure: bool = False, progress: bool = True, patience: float = PATIENCE,
+    ) -> Steps[Run]:  # fmt: skip
         """Track labels from frame ``start`` to ``stop``, and wait; ``progress`` shows a bar.
 
-        ``labels`` None: all labels in frame ``start``.  ``options``: continue_lost, until_painted,
-        stop_unsure.  ``patience``: seconds for which the server may be away, such as during a
-        restart.  Raises PointbrushError with the error of a failed job, CancelledError,
-        UnavailableError.
+        ``labels`` None: all labels in frame ``start``.  ``overwrite``: labelled points that the run
+        may replace.  ``continue_lost``: search for a lost label in later frames.
+        ``until_painted``: end a label at the next frame in which it is painted.  ``stop_unsure``:
+        end the run at a doubtful frame.  ``patience``: seconds for which the server may be away,
+        such as during a restart.  Raises PointbrushError with the error of a failed job,
+        CancelledError, UnavailableError.
         """
-        chosen = {"method": method, "overwrite": overwrite, **options}
-        job = yield from self._tracking(labels, start, stop, chosen, patience)
+        body = TrackingRequest(
+            start, stop, tuple_of(labels), method, overwrite,
+            continue_lost, until_painted, stop_unsure,
+        )  # fmt: skip
+        job = yield from self._tracking(body, patience)
         return read(Run, (yield from finished(job, progress=progress, patience=patience)))
 
-    def _tracking(
-        self,
-        labels: Sequence[int] | None,
-        start: int,
-        stop: int,
-        options: dict[str, Any],
-        patience: float,
-    ) -> Steps[Job]:
+    def _tracking(self, body: TrackingRequest, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
-        wanted = None if labels is None else list(labels)
-        body = {"id": job, "labels": wanted, "start": start, "stop": stop, **options}
+        request = {"json": {"id": job, **body.given()}}
         place = f"/sequences/{self.id}/tracking"
-        return started(job, Request("POST", place, {"json": body}, patience=patience))
+        return started(job, Request("POST", place, request, patience=patience))
 
     @steps
     def tracks(self) -> Steps[list[Track]]:
@@ -283,8 +283,8 @@ class Recording(Part[L]):
         patience: float = PATIENCE,
     ) -> Steps[Job]:
         """Start a fit of boxes and return its job; arguments as of ``fit_boxes``."""
-        chosen = {"category": category, "frames": frames, "redraw": redraw}
-        return (yield from self._fit(labels, chosen, patience))
+        body = BoxFit(tuple_of(labels), category, frames, redraw)
+        return (yield from self._fit(body, patience))
 
     @steps
     def fit_boxes(
@@ -296,23 +296,21 @@ class Recording(Part[L]):
         redraw: bool = False,
         progress: bool = False,
         patience: float = PATIENCE,
-    ) -> Steps[dict[str, Any]]:
+    ) -> Steps[FittedBoxes]:
         """Fit boxes to the points of labels (None: all) or of a category, and wait.
 
-        ``redraw`` also replaces poses that a person drew.  Returns ``edit``, the ``fitted`` ids and
-        ``skipped``, the reasons by label.  ``patience``: as of ``track``.
+        ``redraw`` also replaces poses that a person drew.  ``patience``: as of ``track``.
         """
-        chosen = {"category": category, "frames": frames, "redraw": redraw}
-        job = yield from self._fit(labels, chosen, patience)
-        return (yield from finished(job, progress=progress, patience=patience))
+        body = BoxFit(tuple_of(labels), category, frames, redraw)
+        job = yield from self._fit(body, patience)
+        return read(FittedBoxes, (yield from finished(job, progress=progress, patience=patience)))
 
-    def _fit(
-        self, labels: Sequence[int] | None, chosen: dict[str, Any], patience: float
-    ) -> Steps[Job]:
+    def _fit(self, body: BoxFit, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
-        body = {"id": job, "labels": None if labels is None else list(labels), **chosen}
-        place = f"/sequences/{self.id}/boxes/fit"
-        return started(job, Request("POST", place, {"json": body}, patience=patience))
+        request = {"json": {"id": job, **body.given()}}
+        return started(
+            job, Request("POST", f"/sequences/{self.id}/boxes/fit", request, patience=patience)
+        )
 
     @steps
     def export_boxes(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:

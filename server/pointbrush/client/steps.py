@@ -24,7 +24,8 @@ from tqdm import tqdm
 from typing_extensions import TypeVar
 
 from pointbrush import errors
-from pointbrush.client.values import Job, raise_for, read
+from pointbrush.client.answers import raise_for, read
+from pointbrush.values.jobs import Job
 
 log = logging.getLogger(__name__)
 

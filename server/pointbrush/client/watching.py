@@ -6,8 +6,11 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from pointbrush.client.answers import read
 from pointbrush.client.steps import AsyncLink, L, Part, Request, Steps, SyncLink, send, steps
-from pointbrush.client.values import Job, PastEdit, Track, read
+from pointbrush.values.edits import PastEdit
+from pointbrush.values.jobs import Job
+from pointbrush.values.tracking import Events
 
 WAIT_SECONDS = 25.0
 """Seconds for which the server holds a call without events."""
@@ -24,15 +27,6 @@ class Doubt:
 
 
 Happening: TypeAlias = PastEdit | Doubt | Job
-
-
-@dataclass(frozen=True, slots=True)
-class _Answer:
-    revision: int
-    jobs_seen: str
-    edits: tuple[PastEdit, ...]
-    doubts: tuple[Track, ...]
-    jobs: tuple[Job, ...]
 
 
 class Watch(Part[L]):
@@ -60,10 +54,10 @@ class Watch(Part[L]):
             asked = Request(
                 "GET", self._path, {"params": given}, again=True, patience=self._patience
             )
-            self._take(read(_Answer, (yield from send(asked)).json()))
+            self._take(read(Events, (yield from send(asked)).json()))
         return self._ahead.popleft()
 
-    def _take(self, answer: _Answer) -> None:
+    def _take(self, answer: Events) -> None:
         self._ahead.extend(answer.edits)
         self._ahead.extend(
             Doubt(each.label, each.frame, each.confidence, each.state) for each in answer.doubts

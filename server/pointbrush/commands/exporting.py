@@ -21,9 +21,8 @@ if TYPE_CHECKING:
     from pointbrush.commands.local import Written
     from pointbrush.geometry.oriented_box import OrientedBox
     from pointbrush.labels.versions import Version
-    from pointbrush.work.palettes import CountedLabel
 
-Labels: TypeAlias = "Iterable[CountedLabel | Label]"
+Labels: TypeAlias = "Iterable[Label]"
 Boxes: TypeAlias = "Iterable[OrientedBox | Box]"
 
 

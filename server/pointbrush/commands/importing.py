@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ def import_(given: argparse.Namespace, place: Place) -> Answer:
     options |= {"project": given.project}
     recordings = _recordings(given)
     if given.dry_run:
-        return together(_previewed(place.preview(paths, **options)) for paths in recordings)
+        return together(_previewed(asdict(place.preview(paths, **options))) for paths in recordings)
     jobs = [place.start_import(paths, **options) for paths in recordings]
     return together(imported(finished(place, job)) for job in jobs)
 

@@ -29,7 +29,6 @@ from pointbrush.work.tracking.options import RunOptions
 if TYPE_CHECKING:
     from pointbrush.client import Classifier, Label
     from pointbrush.work.classifiers.service import About
-    from pointbrush.work.palettes import CountedLabel
 
 Taught: TypeAlias = "About | Classifier"
 FRAME = whole("a frame number from 0", 0)
@@ -76,9 +75,7 @@ def fit_boxes(given: argparse.Namespace, place: Place) -> Answer:
     return Answer(result, lines)
 
 
-def _labels_named(
-    text: str | None, palette: Callable[[], Iterable[CountedLabel | Label]]
-) -> list[int] | None:
+def _labels_named(text: str | None, palette: Callable[[], Iterable[Label]]) -> list[int] | None:
     """Return the ids of labels by their names or ids, which commas separate; None for no text.
 
     ``palette`` returns the labels to choose from.  Raises BadInputError.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pointbrush.accounts.people import Account
     from pointbrush.jobs.job import Job
     from pointbrush.labels.versions import Version
+    from pointbrush.values.imports import Preview
     from pointbrush.work.classifiers.service import About, Classifiers
     from pointbrush.workspace import Workspace
 
@@ -68,14 +69,14 @@ class LocalClient:
     def restore(self, sequence: str) -> LocalRecording:
         return LocalRecording(self.workspace, self.workspace.deletion.restore(sequence))
 
-    def preview(self, paths: Sequence[Path], **options: Any) -> dict[str, Any]:
+    def preview(self, paths: Sequence[Path], **options: Any) -> Preview:
         """Preview an import; opens no workspace."""
         from pointbrush.formats import Limits
         from pointbrush.work.imports.previewing import preview
         from pointbrush.work.imports.requests import ImportRequest
 
         request = ImportRequest(tuple(paths), **_import_fields(options))
-        return asdict(preview(request, Limits(self.settings.max_frame_points)))
+        return preview(request, Limits(self.settings.max_frame_points))
 
     def start_import(self, paths: Sequence[Path], **options: Any) -> Job:
         return self.workspace.imports.begin(paths, **_import_fields(options))

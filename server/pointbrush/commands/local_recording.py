@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from pointbrush.geometry.oriented_box import OrientedBox
     from pointbrush.jobs.job import Job
     from pointbrush.sequences import Manifest
+    from pointbrush.values.labels import Label as CountedLabel
     from pointbrush.work.listing import Listed
-    from pointbrush.work.palettes import CountedLabel
     from pointbrush.work.reviewing import BoxAgreement, Checked, Table
     from pointbrush.work.reviewing.comparing import LabelAgreement
     from pointbrush.workspace import Workspace

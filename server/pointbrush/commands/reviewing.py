@@ -23,14 +23,13 @@ from pointbrush.commands.places import Place
 from pointbrush.errors import BadInputError
 
 if TYPE_CHECKING:
-    from pointbrush.client.review import BoxAgreement as RemoteBoxAgreement
-    from pointbrush.client.review import LabelAgreement as RemoteLabelAgreement
     from pointbrush.commands.local import LocalClient
-    from pointbrush.work.reviewing import BoxAgreement
+    from pointbrush.values.review import BoxAgreement
+    from pointbrush.values.review import LabelAgreement as RemoteLabelAgreement
     from pointbrush.work.reviewing.comparing import LabelAgreement
 
 Agreeing: TypeAlias = "LabelAgreement | RemoteLabelAgreement"
-Boxes: TypeAlias = "BoxAgreement | RemoteBoxAgreement"
+Boxes: TypeAlias = "BoxAgreement"
 
 
 @verb(

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
 
 from pointbrush.accounts.roles import ROLES
 from pointbrush.commands.answers import Answer, confirmed, table
@@ -100,12 +100,13 @@ def webhook(given: argparse.Namespace, client: Client) -> Answer:
     hooks = client.projects[given.project]
     if given.action == "list":
         found = hooks.webhooks()
-        rows = [(each["id"], ",".join(each["topics"]), each["url"]) for each in found]
+        rows = [(each.id, ",".join(each.topics), each.url) for each in found]
         return table(found, ("ID", "TOPICS", "URL"), rows)
     item = required("webhook", given.item)
     if given.action == "add":
-        made = hooks.add_webhook(item, listed(given.topics) if given.topics else None)
-        return confirmed(f"added webhook {made['id']}, secret {made['secret']}", **made)
+        topics: Any = listed(given.topics) if given.topics else None
+        made = hooks.add_webhook(item, topics)
+        return confirmed(f"added webhook {made.id}, secret {made.secret}", **asdict(made))
     hooks.delete_webhook(item)
     return confirmed(f"deleted webhook {item}", webhook=item)
 

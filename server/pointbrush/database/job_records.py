@@ -23,7 +23,7 @@ KEPT_JOBS = 1000
 """Limit of stored ended jobs; the oldest are removed first."""
 UNDER_WAY = ("queued", "running")
 INTERRUPTED = "a backup was made while the job ran; start it again"
-Wish = Literal["", "cancel", "keep"]
+TaskPatch = Literal["", "cancel", "keep"]
 """Request from another server for a job: to stop, or to stop and keep its results so far."""
 _JSON = ("result", "request")
 
@@ -47,7 +47,7 @@ class JobRecord:
     """Request that restarts it on another server; None: it cannot be restarted."""
     lost: int = 0
     """Number of servers that ended unexpectedly while it ran."""
-    wish: Wish = ""
+    wish: TaskPatch = ""
     owner: str = ""
     """The process that runs it; empty: none."""
 
@@ -138,7 +138,7 @@ class JobRecords:
             row = connection.execute(select(jobs).where(jobs.c.id == job_id)).one_or_none()
         return None if row is None else _record(row)
 
-    def ask(self, job_id: str, wish: Wish) -> None:
+    def ask(self, job_id: str, wish: TaskPatch) -> None:
         """Ask the server of a job to stop it."""
         with self._database.write() as connection:
             connection.execute(update(jobs).where(jobs.c.id == job_id).values(wish=wish))

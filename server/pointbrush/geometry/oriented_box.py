@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.geometry.quaternions import rotation_of
+from pointbrush.values.boxes import BoxProvenance
 
 Floats = NDArray[np.float64]
-BoxProvenance = Literal["fitted", "drawn", "imported"]
-"""Origins of a box, or of its pose in a frame."""
 AttributeValue = str | float | bool
 Attributes = Mapping[str, AttributeValue]
 UNKNOWN_OCCLUSION = 3
@@ -97,6 +96,6 @@ def _check_numbers(name: str, values: Floats, count: int) -> None:
 
 
 def _check_provenance(provenance: Any) -> None:
-    known = get_args(BoxProvenance)
+    known = get_args(get_args(BoxProvenance)[0])
     if provenance not in known:
         raise BadInputError(f"provenance: expected one of {', '.join(known)}, got {provenance!r}")

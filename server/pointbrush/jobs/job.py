@@ -7,12 +7,12 @@ import time
 import uuid
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 from pointbrush.errors import NotFoundError
+from pointbrush.values import jobs as values
+from pointbrush.values.jobs import JobState
 
-JobKind = Literal["import", "tracking", "export", "prediction", "fitting"]
-JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 MESSAGE = "message"
 """Key of a result that becomes the ended job's message."""
@@ -20,21 +20,18 @@ KEPT_JOBS = 1000
 """Limit of ended jobs in memory; the oldest are removed first."""
 
 
-@dataclass(frozen=True)
-class Job:
+@dataclass(frozen=True, kw_only=True)
+class Job(values.Job):
     """State of one job; a new value at every change."""
 
-    kind: JobKind
-    sequence: str | None
     id: str = field(default_factory=lambda: str(uuid.uuid4()))
+    sequence: str | None = None
     state: JobState = "queued"
     progress: float = 0.0
     message: str = ""
     result: dict[str, Any] | None = None
     error: str | None = None
     created: float = field(default_factory=time.time)
-    owner: str | None = None
-    """Account of the person that started it."""
     edit: str | None = None
     """Id of the edit that it makes, if any."""
     request: Mapping[str, Any] | None = None

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, Listener
 from typing import Any
 
 from pointbrush.errors import CancelledError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.jobs.job import ENDED, MESSAGE, Job, JobState, KnownJobs
+from pointbrush.jobs.job import ENDED, MESSAGE, Job, KnownJobs
 from pointbrush.jobs.worker import (
     DisconnectedError,
     Work,
@@ -32,6 +32,7 @@ from pointbrush.jobs.worker import (
     tell,
 )
 from pointbrush.system.resources import shortage, shortages_in_words
+from pointbrush.values.jobs import JobState
 
 logger = logging.getLogger(__name__)
 DRAIN_SECONDS = 60

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from pointbrush.lazy import lazily
 
 if TYPE_CHECKING:
-    from pointbrush.labels.boxes.attributes import BoxAttribute
     from pointbrush.labels.boxes.editing import BoxEdit, BoxList, Made
     from pointbrush.labels.classes.changes import Category
     from pointbrush.labels.reading import View
@@ -31,7 +30,6 @@ if not TYPE_CHECKING:
     __getattr__ = lazily(
         __name__,
         {
-            "boxes.attributes": "BoxAttribute",
             "boxes.editing": "BoxEdit BoxList Made",
             "classes.changes": "Category",
             "reading": "View",

@@ -287,7 +287,7 @@ class OpenRecordings:
         cells = labels_in(changes, frames) | state.counts_of(turned).keys()
         return Commit(
             sequence=state.id,
-            edit_id=row.id,
+            edit=row.id,
             revision=row.revision,
             author=row.author,
             kind=row.kind,

@@ -118,8 +118,8 @@ class SequenceState:
                 row.color,
                 bool(row.locked),
                 bool(row.visible),
-                row.instance,
-                row.position,
+                instance=row.instance,
+                position=row.position,
             )
             for row in rows
         )

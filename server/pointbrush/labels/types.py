@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pointbrush.errors import ConflictError
+from pointbrush.values import labels as values
+from pointbrush.values.edits import Edit
 
 Only = Literal["any", "labeled", "unlabeled", "not_painted", "predictable"]
 PAINTED = 1
@@ -32,16 +34,14 @@ class GapError(ConflictError):
 
 
 @dataclass(frozen=True, slots=True)
-class Label:
-    """An entry of a sequence's palette; ``id`` 1..65534, ``color`` "#rrggbb".
+class Label(values.Label):
+    """An entry of a sequence's palette.
 
     ``instance`` 0..65535 is the instance number in the imported file, 0 for a class without
     instances; None: not imported.  ``position`` is its index in the palette; labels without one
     follow by id.
     """
 
-    id: int
-    name: str
     category: str = ""
     color: str = "#808080"
     locked: bool = False
@@ -130,23 +130,19 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Commit:
+class Commit(Edit):
     """One committed revision of a sequence.
 
-    ``revision`` is the sequence's revision after it and ``base`` the revision before it;
-    ``changed`` is the number of points with a changed visible value; ``target`` is the edit that an
+    ``base`` is the sequence's revision before it; ``target`` is the edit that an
     undo or redo reverses; ``label`` is the label that it created or changed, after the edit, unless
     the commit is read from the journal; ``boxes`` are the ids of changed, created and removed
     boxes; ``repeated`` is True if this edit's id was committed before and nothing was done now.
     """
 
     sequence: str
-    edit_id: str
-    revision: int
     author: str
     kind: str
     summary: str
-    changed: int
     time: float = 0.0
     target: str | None = None
     label: Label | None = None

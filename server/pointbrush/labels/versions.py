@@ -50,7 +50,7 @@ from pointbrush.names import require_visible
 
 MOST_VERSIONS = 1_000
 """Limit for a project: each version has a palette per recording, and all are listed together."""
-_FIELDS = tuple(Label.__dataclass_fields__)
+_FIELDS = tuple(name for name in Label.__dataclass_fields__ if name != "points")
 
 
 @dataclass(frozen=True, slots=True)

@@ -229,7 +229,7 @@ class Writer:
         counts = {**state.counts_of(draft.labels), **effect.counts}
         return Commit(
             sequence=state.id,
-            edit_id=entry.id,
+            edit=entry.id,
             revision=draft.revision,
             author=entry.author,
             kind=entry.kind,

@@ -309,7 +309,7 @@ class Editor:
                     frame=applied.frame,
                     touched=applied.touched,
                     changed=commit.changed if commit else applied.changed,
-                    edit=commit.edit_id if commit else None,
+                    edit=commit.edit if commit else None,
                     revision=revision,
                     final=commit is not None,
                 )

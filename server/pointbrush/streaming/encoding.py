@@ -12,11 +12,8 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
 from pointbrush.errors import BadInputError
-from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import Delta, FrameValues
-from pointbrush.labels.boxes.maps import fields_of
 from pointbrush.sequences import Chunk, StoredFrame
-from pointbrush.streaming import messages
 from pointbrush.streaming.messages import ClientMessage, Message
 from pointbrush.streaming.messages.values import RUN_BYTES
 from pointbrush.streaming.shared.status import MalformedError
@@ -67,9 +64,16 @@ def describe(found: Sequence[Any], most: int = 5) -> str:
         malformed = item["type"] == "json_invalid"
         place = item["loc"][:1] if malformed else item["loc"]
         where = ".".join(str(part) for part in place) or "message"
-        lines.append(f"{where}: {item['msg']}{_got(item)}")
+        lines.append(f"{where}: {_complaint(item)}{_got(item)}")
     more = len(found) - most
     return "; ".join(lines) + (f"; and {more} more" if more > 0 else "")
+
+
+def _complaint(item: Any) -> str:
+    """Return Pydantic's message in terms of JSON: dataclasses have keywords and tuples instead."""
+    if item["type"] == "unexpected_keyword_argument":
+        return "Extra inputs are not permitted"
+    return str(item["msg"]).replace("Tuple ", "List ")
 
 
 def _got(item: Any) -> str:
@@ -87,11 +91,6 @@ def encode(message: Message) -> bytes:
     """Return the bytes of a server's message."""
     packed: bytes = msgpack.packb(message.model_dump())
     return packed
-
-
-def box_message(box: OrientedBox) -> messages.Box:
-    """Return the message of a box."""
-    return messages.Box.model_validate({"id": box.id, **fields_of(box)})
 
 
 def encode_beginning(message: Message, without: Sequence[str]) -> bytes:

@@ -228,7 +228,5 @@ class Room:
 
 def delta_message(commit: Commit, frame: int, delta: Delta, base: int, author: str) -> QueuedDelta:
     """Encode a commit's part in one frame; ``author`` is the displayed name."""
-    data = encode_delta(
-        commit.sequence, frame, commit.revision, base, delta, commit.edit_id, author
-    )
+    data = encode_delta(commit.sequence, frame, commit.revision, base, delta, commit.edit, author)
     return QueuedDelta(frame, commit.revision, data)

@@ -1,7 +1,7 @@
-"""Writes the page's types of messages and reports from the models: the two never drift apart.
+"""Write the page's types of messages, reports and values of REST from their definitions.
 
-``python -m pointbrush.streaming.typescript --write`` writes ``webxr_client/src/protocol/
-messages.ts``; ``--check`` fails when the file is stale.
+``python -m pointbrush.streaming.typescript --write`` writes ``messages.ts`` and ``values.ts`` in
+``webxr_client/src/protocol``; ``--check`` fails when one is stale.
 """
 
 from __future__ import annotations
@@ -11,10 +11,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.streaming.schema import client_schema, schema_hash, server_schema
+from pointbrush.values.base import Body
+from pointbrush.values.classes import value_classes
 
-TARGET = Path(__file__).parents[3] / "webxr_client" / "src" / "protocol" / "messages.ts"
+TARGET = Path(__file__).parents[3] / "webxr_client" / "src" / "protocol"
 WRITE = "python -m pointbrush.streaming.typescript --write"
 LONGEST_TUPLE = 8
 SCALARS = {"integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
@@ -22,8 +26,26 @@ SCALARS = {"integer": "number", "number": "number", "boolean": "boolean", "null"
 Schema = dict[str, Any]
 
 
-def generate() -> str:
-    """Return the whole TypeScript module, ending in a newline."""
+def generate() -> dict[str, str]:
+    """Return the TypeScript modules by name, each ending in a newline."""
+    return {"messages.ts": messages(), "values.ts": values()}
+
+
+def values() -> str:
+    """Return an interface for each value of REST; optional fields of bodies may be left out."""
+    parts = [
+        f"// Generated from values/ of server/pointbrush by\n// `{WRITE}`.\n"
+        "// Do not edit: a stale file fails the tests.\n"
+    ]
+    for kind in value_classes():
+        schema = TypeAdapter(kind).json_schema(mode="serialization")
+        complete = not issubclass(kind, Body)
+        parts.append(interface(kind.__name__, schema, complete=complete, fixed=True))
+    return "\n".join(parts)
+
+
+def messages() -> str:
+    """Return the types of messages and reports."""
     client, server, report = client_schema(), server_schema(), HeadsetReport.model_json_schema()
     parts = [
         "// Generated from streaming/messages/ and headset_report/ of server/pointbrush by\n"
@@ -45,19 +67,27 @@ def generate() -> str:
     return "\n".join(parts)
 
 
-def interface(name: str, definition: Schema, *, complete: bool) -> str:
-    """Return a model as an ``export interface``; ``complete``: the sender fills in every field."""
+def interface(name: str, definition: Schema, *, complete: bool, fixed: bool = False) -> str:
+    """Return a model as an ``export interface``; ``complete``: the sender fills in every field.
+
+    ``fixed``: the fields and their arrays are ``readonly``.
+    """
+    readonly = "readonly " if fixed else ""
     required = set(definition.get("required", ()))
     lines = [*comment(definition, ""), f"export interface {name} {{"]
     for field, schema in definition["properties"].items():
         lines += comment(schema, "  ")
         sent = complete or field in required or field == "type"
-        lines.append(f"  {field}{'' if sent else '?'}: {type_of(schema)};")
+        kind = type_of(schema, readonly)
+        lines.append(f"  {readonly}{field}{'' if sent else '?'}: {kind};")
     return "\n".join([*lines, "}\n"])
 
 
-def type_of(schema: Schema) -> str:
-    """Return a JSON schema as a TypeScript type; raise ValueError for an unsupported schema."""
+def type_of(schema: Schema, readonly: str = "") -> str:
+    """Return a JSON schema as a TypeScript type; raise ValueError for an unsupported schema.
+
+    ``readonly``: prefix of arrays.
+    """
     if "$ref" in schema:
         return str(schema["$ref"]).rpartition("/")[2]
     if "const" in schema:
@@ -65,12 +95,12 @@ def type_of(schema: Schema) -> str:
     if "enum" in schema:
         return " | ".join(quoted(value) for value in schema["enum"])
     if "anyOf" in schema:
-        return " | ".join(dict.fromkeys(type_of(option) for option in schema["anyOf"]))
+        return " | ".join(dict.fromkeys(type_of(option, readonly) for option in schema["anyOf"]))
     kind = schema.get("type")
     if kind == "array":
-        return array_of(schema)
-    if kind == "object" and "additionalProperties" in schema:
-        return f"Record<string, {type_of(schema['additionalProperties'])}>"
+        return readonly + array_of(schema, readonly)
+    if kind == "object":
+        return record_of(schema, readonly)
     if kind == "string":
         return "Uint8Array" if schema.get("format") == "binary" else "string"
     if kind in SCALARS:
@@ -78,13 +108,26 @@ def type_of(schema: Schema) -> str:
     raise ValueError(f"expected a schema that TypeScript can express, got {schema}")
 
 
-def array_of(schema: Schema) -> str:
+def record_of(schema: Schema, readonly: str) -> str:
+    """Return an object with values of one type; with known names, it may have some of them."""
+    patterns = schema.get("patternProperties", {}).values()
+    value = next(iter(patterns), schema.get("additionalProperties"))
+    kind = type_of(value, readonly) if isinstance(value, dict) else "unknown"
+    names = schema.get("propertyNames", {})
+    if "enum" in names:
+        return f"Readonly<Partial<Record<{type_of(names)}, {kind}>>>"
+    return f"Readonly<Record<string, {kind}>>" if readonly else f"Record<string, {kind}>"
+
+
+def array_of(schema: Schema, readonly: str = "") -> str:
     """Return a short array of fixed length as a tuple, any other as a plain array."""
-    item = type_of(schema["items"])
+    if "prefixItems" in schema:
+        return "[" + ", ".join(type_of(each, readonly) for each in schema["prefixItems"]) + "]"
+    item = type_of(schema["items"], readonly)
     length = schema.get("minItems")
     if length is not None and length == schema.get("maxItems") and length <= LONGEST_TUPLE:
         return "[" + ", ".join([item] * length) + "]"
-    return f"({item})[]" if "|" in item else f"{item}[]"
+    return f"({item})[]" if " " in item else f"{item}[]"
 
 
 def union(name: str, schema: Schema) -> str:
@@ -111,25 +154,25 @@ def quoted(value: object) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Exit 0 when the file is (now) up to date, 1 when ``--check`` finds it stale."""
+    """Exit 0 when the files are (now) up to date, 1 when ``--check`` finds a stale one."""
     parser = argparse.ArgumentParser(description=__doc__)
-    what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--write", action="store_true", help="write the file")
-    what.add_argument("--check", action="store_true", help="fail when the file is stale")
+    mode = parser.add_mutually_exclusive_group(required=True)
+    mode.add_argument("--write", action="store_true", help="write the files")
+    mode.add_argument("--check", action="store_true", help="fail when a file is stale")
     parser.add_argument(
-        "--target", type=Path, default=TARGET, help="the file (default: %(default)s)"
+        "--target", type=Path, default=TARGET, help="their folder (default: %(default)s)"
     )
     options = parser.parse_args(arguments)
-    text = generate()
-    target: Path = options.target
-    if options.write:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
-        return 0
-    if not target.is_file() or target.read_text(encoding="utf-8") != text:
-        print(f"{target} is stale: run `{WRITE}`", file=sys.stderr)
-        return 1
-    return 0
+    stale = 0
+    for name, text in generate().items():
+        file: Path = options.target / name
+        if options.write:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+        elif not file.is_file() or file.read_text(encoding="utf-8") != text:
+            print(f"{file} is stale: run `{WRITE}`", file=sys.stderr)
+            stale = 1
+    return stale
 
 
 if __name__ == "__main__":

@@ -8,10 +8,12 @@ import hmac
 import logging
 import threading
 import time
+from collections.abc import Sequence
 
 from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.exchange.outgoing import Bounds, exchange, parse_url, resolve
-from pointbrush.teamwork.webhooks import TOPICS, Delivery, Topic, Webhook, Webhooks
+from pointbrush.teamwork.webhooks import TOPICS, Delivery, Webhook, Webhooks
+from pointbrush.values.webhooks import Topic
 
 log = logging.getLogger(__name__)
 LOOK_SECONDS = 1.0
@@ -39,7 +41,7 @@ class Hooks:
         self._telling: dict[str, threading.Thread] = {}  # by webhook
         self._delivered: dict[str, float] = {}  # time of the last delivery
 
-    def add(self, project: str, url: str, topics: list[Topic] | None = None) -> Webhook:
+    def add(self, project: str, url: str, topics: Sequence[Topic] | None = None) -> Webhook:
         """Add a webhook of a project, by default for all topics.
 
         Raises BadInputError for an invalid address, ForbiddenError for a private one.

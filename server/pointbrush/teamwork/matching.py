@@ -10,14 +10,15 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.values.tasks import DisagreementKind
+
 Pairs = Mapping[tuple[int, int], int]
 """Points of each pair of labels, of the first and of the second annotation."""
-Kind = Literal["missed", "added", "split", "merged", "renamed", "outline"]
+Kind = DisagreementKind
 
 
 @dataclass(frozen=True, slots=True)

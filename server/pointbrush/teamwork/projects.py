@@ -28,6 +28,8 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.labels.classes.selection import selected
 from pointbrush.names import require_visible
 from pointbrush.teamwork.webhooks import forget_webhooks
+from pointbrush.values.base import UNSET
+from pointbrush.values.projects import ProjectPatch
 
 MOST_PROJECTS = 1_000
 """Limit for a workspace, as the list of projects is read and sent as a whole."""
@@ -56,20 +58,6 @@ class Project:
         return role_in(self.roles, account, role)
 
 
-@dataclass(frozen=True, slots=True)
-class Change:
-    """Values to set; None keeps the value.  ``recordings`` move from their earlier projects.
-
-    ``all_categories`` ends the selection of categories.
-    """
-
-    name: str | None = None
-    categories: Sequence[int] | None = None
-    all_categories: bool = False
-    roles: Mapping[str, Role] | None = None
-    recordings: Sequence[str] | None = None
-
-
 def role_in(roles: Mapping[str, Role], account: str, role: Role) -> Role | None:
     """Return the lower of the roles in project and workspace; managers keep theirs everywhere."""
     if not roles or includes(role, OVERSEES):
@@ -95,7 +83,7 @@ class Projects:
         with self._database.read() as connection:
             return _project(connection, project)
 
-    def create(self, project: str, change: Change) -> Project:
+    def create(self, project: str, change: ProjectPatch) -> Project:
         """Create a project with a new id.
 
         Raises ConflictError if the id is taken, BadInputError for too many projects.
@@ -120,7 +108,7 @@ class Projects:
 
         return write_once(self._database, make, lambda connection: _found(connection, project))
 
-    def change(self, project: str, change: Change) -> Project:
+    def change(self, project: str, change: ProjectPatch) -> Project:
         """Apply a change; raises NotFoundError (project, recording, category).
 
         Raises ConflictError for a recording that has tasks in another project.
@@ -209,7 +197,7 @@ def _projects(connection: Connection, only: str | None = None) -> list[Project]:
     ]
 
 
-def _check(change: Change) -> None:
+def _check(change: ProjectPatch) -> None:
     if change.name is not None:
         if not change.name.strip() or len(change.name) > LONGEST_NAME:
             raise BadInputError(
@@ -222,13 +210,13 @@ def _check(change: Change) -> None:
             raise BadInputError(f"roles: expected one of {', '.join(ROLES)}, got {role!r}")
 
 
-def _apply(connection: Connection, project: str, change: Change) -> None:
+def _apply(connection: Connection, project: str, change: ProjectPatch) -> None:
     row = update(projects).where(projects.c.id == project)
     if change.name is not None:
         connection.execute(row.values(name=change.name))
-    if change.all_categories:
+    if change.categories is None:
         connection.execute(row.values(categories=None))
-    elif change.categories is not None:
+    elif change.categories is not UNSET:
         _require_categories(connection, change.categories)
         connection.execute(row.values(categories=json.dumps(sorted(set(change.categories)))))
     if change.roles is not None:

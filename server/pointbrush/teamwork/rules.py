@@ -9,7 +9,9 @@ from typing import Literal
 from pointbrush.accounts.roles import Role, includes
 from pointbrush.errors import BadInputError, ConflictError, ForbiddenError
 from pointbrush.teamwork.reviews import Place
-from pointbrush.teamwork.tasks import TASK_STATES, Task, TaskState
+from pointbrush.teamwork.tasks import TASK_STATES, Task
+from pointbrush.values.kinds import TaskState
+from pointbrush.values.tasks import TaskPatch
 
 Maker = Literal["anyone", "assignee", "reviewer"]
 LEADS: Role = "manager"
@@ -47,21 +49,7 @@ class Person:
     role: Role
 
 
-@dataclass(frozen=True, slots=True)
-class Wish:
-    """New values of a task; None keeps a value, "" removes a note or a person.
-
-    ``place`` (source coordinates, metres) in ``frame``: position of the note.
-    """
-
-    state: TaskState | None = None
-    assignee: str | None = None
-    note: str | None = None
-    frame: int | None = None
-    place: Place | None = None
-
-
-def fulfilled(task: Task, wish: Wish, who: Person) -> Task:
+def fulfilled(task: Task, wish: TaskPatch, who: Person) -> Task:
     """Return a task with the changes that ``who`` requests; equal values are no change.
 
     Raises ForbiddenError for a step that ``who`` may not make, ConflictError for an invalid step,
@@ -126,7 +114,7 @@ def _stepped(task: Task, state: TaskState, who: Person) -> Task:
     return replace(task, note="", frame=None, place=None) if state == "accepted" else task
 
 
-def _check(task: Task, wish: Wish) -> None:
+def _check(task: Task, wish: TaskPatch) -> None:
     if wish.state is None and wish.note is None and wish.assignee is None:
         raise BadInputError("expected a state, a note or an assignee, got none of them")
     if wish.note is not None and len(wish.note) > LONGEST_NOTE:

@@ -12,7 +12,7 @@ from pointbrush.database.class_names import read_names
 from pointbrush.database.database import Database
 from pointbrush.database.project_tables import FIRST, tasks
 from pointbrush.database.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
-from pointbrush.teamwork.tasks import TaskState
+from pointbrush.values.kinds import TaskState
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
 """The key of a label's class; a label without a category has its own class."""

@@ -10,7 +10,7 @@ import json
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 from sqlalchemy import (
     ColumnElement,
@@ -33,9 +33,9 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.teamwork.copies import seen_elsewhere
 from pointbrush.teamwork.reviews import Place
 from pointbrush.teamwork.webhooks import announce
+from pointbrush.values.kinds import TaskState
 
-TaskState = Literal["open", "taken", "done", "review", "accepted", "returned"]
-TASK_STATES: tuple[TaskState, ...] = get_args(TaskState)
+TASK_STATES: tuple[TaskState, ...] = get_args(get_args(TaskState)[0])
 """Unassigned; being labelled; labelled; being reviewed; accepted; to be labelled again."""
 
 MOST_TASKS = 100_000

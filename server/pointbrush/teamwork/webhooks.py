@@ -12,7 +12,7 @@ import secrets
 import uuid
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 from sqlalchemy import Connection, Row, and_, delete, func, or_, select, update
 
@@ -26,9 +26,9 @@ from pointbrush.database.project_tables import (
 from pointbrush.database.schema import LIVE, PROJECT_OF, WHOLE, edits, jobs, sequences
 from pointbrush.database.statements import insert
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.values.webhooks import Topic
 
-Topic = Literal["task", "labels", "job"]
-TOPICS: tuple[Topic, ...] = get_args(Topic)
+TOPICS: tuple[Topic, ...] = get_args(get_args(Topic)[0])
 """Changes of tasks; edits of labels, combined; ended jobs."""
 LEASE_SECONDS = 30.0
 """Time for which a server reserves an event that it delivers."""

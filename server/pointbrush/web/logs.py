@@ -116,7 +116,7 @@ def log_events(workspace: Workspace) -> Callable[[], None]:
 
     def tell(event: Event) -> None:
         if isinstance(event, Commit):
-            said = {"edit": event.edit_id, "revision": event.revision, "sequence": event.sequence}
+            said = {"edit": event.edit, "revision": event.revision, "sequence": event.sequence}
             log.info("edit %s", event.kind, extra=said)
         elif isinstance(event, Job) and states.get(event.id) != event.state:
             states[event.id] = event.state

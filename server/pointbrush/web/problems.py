@@ -37,10 +37,10 @@ EXTRA_HEADERS = {
 class Problem(BaseModel):
     """RFC 9457 problem details."""
 
-    type: str = "about:blank"
-    title: str
-    status: int = Field(ge=400, le=599)
-    detail: str
+    type: str = Field(default="about:blank", description="Always ``about:blank``.")
+    title: str = Field(description="Kind of error.")
+    status: int = Field(ge=400, le=599, description="HTTP status.")
+    detail: str = Field(description="Sentence with the expected and the received value.")
 
 
 def problem(

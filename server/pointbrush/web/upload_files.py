@@ -9,19 +9,20 @@ from __future__ import annotations
 import shutil
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import FormData, UploadFile
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import MalformedError
+from pointbrush.values.base import Body
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound=Body)
 COPY_BLOCK = 1 << 20
 TOGETHER = "upload"
 """The folder of several chosen folders, in the upload's folder."""
@@ -31,7 +32,7 @@ MOST_KEPT = 16
 """Most uploads that a server keeps; the oldest are removed."""
 
 
-def described(model: type[BaseModel], options: dict[str, Any]) -> dict[str, Any]:
+def described(model: Any, options: dict[str, Any]) -> dict[str, Any]:
     """Describe both bodies in OpenAPI: ``model`` as JSON, ``options`` of a form with ``files``."""
     files = {"type": "array", "minItems": 1, "items": {"type": "string", "format": "binary"}}
     form = {"type": "object", "required": ["files"], "properties": {"files": files, **options}}
@@ -39,7 +40,7 @@ def described(model: type[BaseModel], options: dict[str, Any]) -> dict[str, Any]
         "requestBody": {
             "required": True,
             "content": {
-                "application/json": {"schema": model.model_json_schema()},
+                "application/json": {"schema": TypeAdapter(model).json_schema()},
                 "multipart/form-data": {"schema": form},
             },
         }
@@ -49,33 +50,39 @@ def described(model: type[BaseModel], options: dict[str, Any]) -> dict[str, Any]
 def parse_json(model: type[Model], body: bytes) -> Model:
     """Validate a JSON body; raises MalformedError for no JSON, BadInputError for other fields."""
     try:
-        return model.model_validate_json(body)
+        found: Model = TypeAdapter(model).validate_json(body)
+        return found
     except ValidationError as error:
-        found = error.errors()
-        kind = MalformedError if found[0]["type"] == "json_invalid" else BadInputError
-        raise kind(describe(found)) from None
+        errors = error.errors()
+        kind = MalformedError if errors[0]["type"] == "json_invalid" else BadInputError
+        raise kind(describe(errors)) from None
 
 
 def parse_form(model: type[Model], form: FormData) -> Model:
     """Validate the options of a form, which are all text; raise BadInputError."""
-    texts = {name: form.get(name) for name in model.model_fields}
-    values = {
-        name: _of_text(name, text, str(model.model_fields[name].annotation))
-        for name, text in texts.items()
-        if isinstance(text, str) and text
-    }
+    adapter: TypeAdapter[Model] = TypeAdapter(model)
+    values = {}
+    for name, schema in adapter.json_schema()["properties"].items():
+        text = form.get(name)
+        if isinstance(text, str) and text:
+            values[name] = _of_text(name, text, {each["type"] for each in _options(schema)})
     try:
-        return model.model_validate(values)
+        return adapter.validate_python(values)
     except ValidationError as error:
         raise BadInputError(describe(error.errors())) from None
 
 
-def _of_text(name: str, text: str, kind: str) -> Any:
-    if "bool" in kind:
+def _options(schema: dict[str, Any]) -> list[dict[str, Any]]:
+    options: list[dict[str, Any]] = schema.get("anyOf", [schema])
+    return options
+
+
+def _of_text(name: str, text: str, kinds: Collection[str]) -> Any:
+    if "boolean" in kinds:
         if text not in ("true", "false"):
             raise BadInputError(f"{name}: expected true or false, got {text[:40]!r}")
         return text == "true"
-    if "float" not in kind:
+    if "number" not in kinds:
         return text
     try:
         return float(text)

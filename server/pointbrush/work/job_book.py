@@ -10,7 +10,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from pointbrush.database.job_records import STALE_SECONDS, JobRecord, Wish
+from pointbrush.database.job_records import STALE_SECONDS, JobRecord, TaskPatch
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.jobs.job import ENDED, Job
 from pointbrush.jobs.runner import JobRunner
@@ -274,7 +274,7 @@ class JobBook:
         self._records.update([record_of(job)])
         self._notify(job)
 
-    def _heed(self, job_id: str, wish: Wish) -> None:
+    def _heed(self, job_id: str, wish: TaskPatch) -> None:
         if wish == "keep":
             self._keep(job_id)
         try:

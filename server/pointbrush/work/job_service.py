@@ -7,11 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
-from pointbrush.jobs.job import Job, JobKind
+from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Work
 from pointbrush.labels import Commit
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.jobs import JobKind
 from pointbrush.work.events import Event
 from pointbrush.work.job_book import JobBook
 from pointbrush.work.job_request import JobRequest
@@ -61,7 +62,9 @@ class JobService(ABC, Generic[Request]):
             self._check(request)
             edit = None if sequence is None else job_id
             kept = request.as_json()
-            job = Job(self.kind, sequence, job_id, owner=owner, edit=edit, request=kept)
+            job = Job(
+                kind=self.kind, sequence=sequence, id=job_id, owner=owner, edit=edit, request=kept
+            )
             return self._context.runner.submit(*self._prepare(request, job))
 
         return self._context.jobs.begin_once(job_id, owner, start)
@@ -99,4 +102,4 @@ class EditService(JobService[Request]):
 
     def _committed(self, made: Commit) -> dict[str, Any]:
         """Return the result of a committed edit."""
-        return {"edit": made.edit_id, "changed": made.changed, "revision": made.revision}
+        return {"edit": made.edit, "changed": made.changed, "revision": made.revision}

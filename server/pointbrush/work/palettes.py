@@ -5,42 +5,27 @@ from __future__ import annotations
 import uuid
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 
 from pointbrush.formats.tables.datasets import Dataset
 from pointbrush.labels import Label, Write
 from pointbrush.labels.classes.palette import Palette, default_color
 from pointbrush.labels.classes.selection import require_allowed
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values import labels as values
+from pointbrush.values.labels import OfferedCategories, PaletteLabel
 
 
-@dataclass(frozen=True, slots=True)
-class NamedLabel:
-    """A label without an id; ``color`` None: the default colour of its id."""
-
-    name: str
-    category: str = ""
-    color: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class CountedLabel(Label):
-    """A label with its number of ``points`` in all frames."""
-
-    points: int = 0
-
-
-def counted_labels(store: WorkspaceStore, sequence: str) -> list[CountedLabel]:
+def counted_labels(store: WorkspaceStore, sequence: str) -> list[values.Label]:
     """Return the palette of a recording with the number of points of each label."""
     points: Counter[int] = Counter()
     for (_, label), (count, _) in store.counts(sequence).items():
         points[label] += count
     palette = store.palette(sequence)
-    return [CountedLabel(**asdict(label), points=points[label.id]) for label in palette]
+    return [values.Label.of(label, points=points[label.id]) for label in palette]
 
 
 def add_labels(
-    store: WorkspaceStore, sequence: str, wanted: Sequence[NamedLabel], author: str
+    store: WorkspaceStore, sequence: str, wanted: Sequence[PaletteLabel], author: str
 ) -> list[str]:
     """Add missing labels, by name and category, as one edit; return their names.
 
@@ -65,7 +50,7 @@ def add_labels(
     return [label.name for label in fresh]
 
 
-def _fresh(palette: Palette, wanted: Sequence[NamedLabel]) -> list[Label]:
+def _fresh(palette: Palette, wanted: Sequence[PaletteLabel]) -> list[Label]:
     """Return the labels of ``wanted`` that a palette does not have."""
     known = {(label.name, label.category) for label in palette.labels}
     ids, fresh = palette.free_ids(), []
@@ -91,12 +76,13 @@ def add_template(store: WorkspaceStore, sequence: str, dataset: Dataset, author:
     classes = {number: name for number, name in classes.items() if palette.admits(name)}
     numbers = {name: number for number, name in classes.items()}
     store.taxonomy.learn(dataset.name, numbers, strict=False)
-    wanted = [NamedLabel(words[n], name, listed[n].color) for n, name in classes.items()]
+    wanted = [PaletteLabel(words[n], name, listed[n].color) for n, name in classes.items()]
     return add_labels(store, sequence, wanted, author)
 
 
-def offered(store: WorkspaceStore, sequence: str) -> tuple[bool, list[str]]:
-    """Return whether the project has selected categories, and the available categories."""
+def offered(store: WorkspaceStore, sequence: str) -> OfferedCategories:
+    """Return the selection of the recording's project, or all categories."""
     selected = store.team.projects.selection(sequence)
     known = [each.name for each in store.taxonomy.entries()]
-    return selected is not None, [each for each in known if selected is None or each in selected]
+    names = (each for each in known if selected is None or each in selected)
+    return OfferedCategories(selected is not None, tuple(names))

@@ -12,7 +12,7 @@ from pointbrush.client import Client
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.recordings import Recordings
 from pointbrush.sequences.storage.manifest import read_manifest
-from pointbrush.teamwork.projects import Change
+from pointbrush.values.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.forked import call
 from tests.serving import serving, settings_in
@@ -32,7 +32,7 @@ def import_until_killed(folder: Path, kept: bool) -> None:
     ``kept``: the job is written down, so that the next server goes on with it.
     """
     workspace = Workspace(settings_in(folder))
-    workspace.labels.team.projects.create(PROJECT, Change(roles=ROLES))
+    workspace.labels.team.projects.create(PROJECT, ProjectPatch(roles=ROLES))
     if kept:
         workspace.keep_jobs()
     Recordings.register = die  # type: ignore[method-assign, assignment]

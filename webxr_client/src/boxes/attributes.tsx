@@ -2,32 +2,23 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { api } from '../net/rest';
+import type { BoxAttribute, Taxonomy } from '../protocol/values';
 import type { Attributes, AttributeValue, ObjectBox } from '../store/boxes';
 import { canEdit, state } from '../store/state';
 import { Check } from '../panels/parts/controls';
 import { ChoiceRow, Row } from '../panels/parts/fields';
 import { changeBox } from './changes';
 
-/** An attribute as the taxonomy defines it. */
-export interface AttributeKind {
-  readonly name: string;
-  readonly kind: 'text' | 'choice' | 'number' | 'yes/no';
-  readonly choices: readonly string[];
-  /** It applies to the whole track, or to each frame separately. */
-  readonly scope: 'track' | 'frame';
-}
-
-const PARKED: AttributeKind = { name: 'parked', kind: 'yes/no', choices: [], scope: 'track' };
+const PARKED: BoxAttribute = { name: 'parked', kind: 'yes/no', choices: [], scope: 'track' };
 /** As KITTI numbers it. */
 const OCCLUDED = ['Fully visible', 'Partly occluded', 'Largely occluded', 'Unknown'];
 
 const NOT_SET = ['', 'not set'] as const;
 
-const defined = signal<readonly AttributeKind[]>([]);
+const defined = signal<readonly BoxAttribute[]>([]);
 
 async function load(): Promise<void> {
-  const found = await api<{ attributes?: AttributeKind[] }>('GET', 'taxonomy');
-  defined.value = found.attributes ?? [];
+  defined.value = (await api<Taxonomy>('GET', 'taxonomy')).attributes;
 }
 
 /** The change of a box by an attribute's value; null removes it. */
@@ -71,7 +62,7 @@ function setNumber(box: ObjectBox, name: string, typed: string): void {
 }
 
 interface AttributeProps {
-  kind: AttributeKind;
+  kind: BoxAttribute;
   value: AttributeValue | undefined;
   change: (value: AttributeValue | null) => void;
 }

@@ -4,6 +4,7 @@ import { Matrix4 } from 'three';
 import { attempt, sequencePath } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import type { Job } from '../protocol/messages';
+import type { BoxEdit, BoxFit, FittedBoxes, Placement } from '../protocol/values';
 import { actions } from '../store/actions';
 import {
   chosenBox,
@@ -30,11 +31,6 @@ import {
   turned,
   type Shape,
 } from './shape';
-
-interface Answer {
-  readonly box: ObjectBox;
-  readonly revision: number;
-}
 
 /** A shape that is dragged and not yet an edit. */
 export interface Draft {
@@ -87,7 +83,7 @@ function path(of: string | number = ''): string {
   return of === '' ? base : `${base}/${of}`;
 }
 
-function take({ box, revision }: Answer): void {
+function take({ box, revision }: BoxEdit): void {
   takeBoxes({ revision, boxes: [box], removed: [], whole: false });
 }
 
@@ -104,7 +100,7 @@ export async function changeBox(id: number, patch: BoxPatch): Promise<void> {
   const answered = expectChange(id, patch);
   const edit = crypto.randomUUID();
   await attempt('The box was not changed', async () => {
-    take(await inOrder(() => api<Answer>('PATCH', path(id), { ...patch, edit })));
+    take(await inOrder(() => api<BoxEdit>('PATCH', path(id), { ...patch, edit })));
   });
   answered();
 }
@@ -112,7 +108,7 @@ export async function changeBox(id: number, patch: BoxPatch): Promise<void> {
 export async function removeBox({ id }: ObjectBox): Promise<void> {
   const answered = expectChange(id, null);
   await attempt('The box was not deleted', async () => {
-    const { revision } = await inOrder(() => api<Answer>('DELETE', path(id)));
+    const { revision } = await inOrder(() => api<BoxEdit>('DELETE', path(id)));
     takeBoxes({ revision, boxes: [], removed: [id], whole: false });
   });
   answered();
@@ -129,7 +125,7 @@ export async function addBox({ size, centre, quaternion }: Shape): Promise<void>
   await attempt('The box was not made', async () => {
     const edit = crypto.randomUUID();
     const made = { label, size, poses: { [frame]: pose }, provenance: 'drawn' };
-    const answer = await inOrder(() => api<Answer>('POST', path(), { ...made, edit }));
+    const answer = await inOrder(() => api<BoxEdit>('POST', path(), { ...made, edit }));
     take(answer);
     picked.value = answer.box.id;
   });
@@ -153,23 +149,8 @@ export function leaveBox(): boolean {
 /** Most skipped labels that a message lists. */
 const MOST_TOLD = 3;
 
-/** Labels to fit: one label, the labels of its category, or all; `frames` like "3:10". */
-export interface Fit {
-  readonly labels: readonly number[] | null;
-  readonly category: string | null;
-  readonly frames: string | null;
-  /** Also poses that were drawn. */
-  readonly redraw?: boolean;
-}
-
-/** Labels that were fitted, and reasons why others were not. */
-interface Fitted {
-  readonly fitted: readonly number[];
-  readonly skipped: Readonly<Record<string, string>>;
-}
-
 /** Fit boxes to labelled points; drawn poses stay, unless they are to be fitted too. */
-export function fitBoxes({ labels, category, frames, redraw = false }: Fit): Promise<void> {
+export function fitBoxes({ labels, category, frames, redraw = false }: BoxFit): Promise<void> {
   return attempt('No box was fitted', async () => {
     const body = { labels, category, frames, redraw };
     const { id } = await api<{ id: string }>('POST', path('fit'), body);
@@ -183,7 +164,7 @@ export function fitBoxes({ labels, category, frames, redraw = false }: Fit): Pro
 }
 
 async function tellFit(id: string): Promise<void> {
-  const { result } = await api<{ result: Fitted }>('GET', `jobs/${id}`);
+  const { result } = await api<{ result: FittedBoxes }>('GET', `jobs/${id}`);
   const names = new Map(state.palette.peek().map((label) => [String(label.id), label.name]));
   const skipped = Object.entries(result.skipped).map(
     ([label, why]) => `${names.get(label) ?? label}: ${why}`,
@@ -269,12 +250,6 @@ function afterTracking(ways: readonly number[], run: (to: number) => void, done:
 }
 
 // ── other frames ───────────────────────────────────────────────────────────────────────────────
-
-interface Placement {
-  readonly frame: number;
-  readonly T_shown_frame: readonly number[];
-  readonly moving: readonly { readonly label: number; readonly T_shown_frame: readonly number[] }[];
-}
 
 function matrixOf(rows: readonly number[]): Matrix4 {
   return new Matrix4().set(...(rows as Parameters<Matrix4['set']>));

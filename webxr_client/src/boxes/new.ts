@@ -3,6 +3,7 @@ import { signal } from '@preact/signals';
 import type { Matrix4 } from 'three';
 import { api } from '../net/rest';
 import type { Label } from '../protocol/messages';
+import type { Taxonomy } from '../protocol/values';
 import { actions } from '../store/actions';
 import { boxes, type Triple } from '../store/boxes';
 import { activeLabel, state } from '../store/state';
@@ -24,16 +25,11 @@ const SIZES: readonly (readonly [RegExp, Triple])[] = [
   [/car|vehicle/, [4.4, 1.85, 1.6]],
 ];
 
-interface Class {
-  readonly name: string;
-  readonly size: Triple | null;
-}
-
 /** Size that a click gives a label's box: its class's in the taxonomy, or the usual one; else null. */
 async function sizeOf({ category, name }: Label): Promise<Triple | null> {
   const words = `${category} ${name}`.toLowerCase();
   const usual = SIZES.find(([part]) => part.test(words))?.[1] ?? null;
-  const { categories } = await api<{ categories: Class[] }>('GET', 'taxonomy');
+  const { categories } = await api<Taxonomy>('GET', 'taxonomy');
   return categories.find((one) => one.name === category)?.size ?? usual;
 }
 

@@ -1,6 +1,7 @@
+import type { Camera } from '../protocol/values';
 import { describe, expect, it, vi } from 'vitest';
 import { frameOf } from '../cloud/points/testing';
-import { Lens, type CameraPicture } from './lens';
+import { Lens } from './lens';
 
 /** From a lidar (x ahead, z up) to a camera 10 cm above it. */
 const AHEAD = [
@@ -15,7 +16,7 @@ const K = [
   [0, 0, 1],
 ];
 
-function picture(fields: Partial<CameraPicture> = {}): CameraPicture {
+function picture(fields: Partial<Camera> = {}): Camera {
   return { name: 'front', width: 640, height: 480, K, distortion: [], model: 'plumb_bob', T_camera_frame: AHEAD, ...fields }; // prettier-ignore
 }
 

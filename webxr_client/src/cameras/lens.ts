@@ -1,17 +1,5 @@
 /** A camera's lens: from places to pixels and back, by the models of OpenCV and ROS. */
-
-/** A picture of a frame, as REST describes it. */
-export interface CameraPicture {
-  readonly name: string;
-  readonly width: number;
-  readonly height: number;
-  /** 3x3 rows; null where it is not known how points come into the picture. */
-  readonly K: readonly (readonly number[])[] | null;
-  readonly distortion: readonly number[];
-  readonly model: string;
-  /** 4x4 rows, from source coordinates to the camera's: x right, y down, z ahead. */
-  readonly T_camera_frame: readonly (readonly number[])[] | null;
-}
+import type { Camera } from '../protocol/values';
 
 type Vec = readonly [number, number, number];
 
@@ -34,7 +22,7 @@ export class Lens {
   private readonly reach: number;
 
   private constructor(
-    readonly picture: CameraPicture,
+    readonly picture: Camera,
     K: readonly (readonly number[])[],
     T: readonly (readonly number[])[],
     shift: Vec,
@@ -51,7 +39,7 @@ export class Lens {
   }
 
   /** Of a picture in a recording with this shift; null where points do not come into it. */
-  static of(picture: CameraPicture, shift: Vec): Lens | null {
+  static of(picture: Camera, shift: Vec): Lens | null {
     const { K, T_camera_frame: T, model } = picture;
     const known = FISHEYE.includes(model) || POLYNOMIAL.includes(model);
     if (!K || !T || (!known && picture.distortion.some((k) => k !== 0))) return null;

@@ -1,8 +1,8 @@
 /** State that the strip of cameras shares with the cloud: pictures and the place pointed at. */
+import type { Camera } from '../protocol/values';
 import type { Vec } from '../store/types';
 import { signal } from '@preact/signals';
 import type { CloudFrame } from '../cloud/points/frame';
-import type { CameraPicture } from './lens';
 
 export interface Pointed {
   /** Local metres. */
@@ -15,7 +15,7 @@ export interface Pointed {
 export interface Pictures {
   readonly sequence: string;
   readonly frame: number;
-  readonly cameras: readonly CameraPicture[];
+  readonly cameras: readonly Camera[];
 }
 
 export const stripOpen = signal(true);

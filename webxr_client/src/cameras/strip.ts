@@ -4,9 +4,10 @@ import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'thre
 import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { api } from '../net/rest';
+import type { Camera } from '../protocol/values';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
-import type { CameraPicture, Lens } from './lens';
+import type { Lens } from './lens';
 import { pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
 
 /** Milliseconds between two updates, so that pictures do not follow every dab of a stroke. */
@@ -16,7 +17,7 @@ const [PART, NEAR, FAR] = [0.4, 1.5, 12];
 
 class CameraStrip {
   private readonly marker: PlaceMarker;
-  private readonly known = new Map<number, readonly CameraPicture[]>();
+  private readonly known = new Map<number, readonly Camera[]>();
   private looked = 0;
   private asked = 0;
 
@@ -46,7 +47,7 @@ class CameraStrip {
     let cameras = this.known.get(frame);
     if (!cameras) {
       try {
-        cameras = await api<CameraPicture[]>('GET', `sequences/${info.id}/frames/${frame}/cameras`);
+        cameras = await api<Camera[]>('GET', `sequences/${info.id}/frames/${frame}/cameras`);
       } catch {
         return; // the banner shows that the server is unavailable; the next frame asks again
       }

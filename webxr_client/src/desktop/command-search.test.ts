@@ -2,8 +2,9 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { COMMANDS } from './commands';
 import { state } from '../store/state';
 import type { SequenceInfo } from '../protocol/messages';
+import type { ProjectInfo } from '../protocol/values';
 import { commandsNow, EVERYDAY, found, frameCommand, lastFirst, noteUsed } from './command-search';
-import { type Project, projects } from '../engine/recordings/projects';
+import { projects } from '../engine/recordings/projects';
 import { recordingRow } from '../store/testing';
 
 function open(frames: number): void {
@@ -85,7 +86,7 @@ describe('the command palette', () => {
     state.me.value = { viewer: 'v', author: 'a', account: 'a', role: 'admin', serverVersion: '1' };
     const label = { category: '', color: '#ffffff', locked: false, visible: true };
     const night = { id: 'night', role: 'admin', tasks: {}, recordings: ['one'] };
-    projects.value = [night as unknown as Project];
+    projects.value = [night as unknown as ProjectInfo];
     state.sequences.value = [{ ...recordingRow('one'), project: 'night' }];
     state.palette.value = ['car', 'van'].map((name, id) => ({ ...label, id: id + 1, name }));
     state.activeLabel.value = 1;

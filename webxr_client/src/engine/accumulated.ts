@@ -5,6 +5,7 @@ import type { PlacedFrame } from '../cloud/points/layer';
 import type { Viewer } from '../cloud/picture/viewer';
 import { api, ApiError } from '../net/rest';
 import type { SequenceInfo } from '../protocol/messages';
+import type { Placement } from '../protocol/values';
 import { peek, watch } from '../store/watch';
 import { notify, state } from '../store/state';
 import type { Playback } from './playback';
@@ -13,12 +14,6 @@ import type { Playback } from './playback';
 export const MOST_POINTS = 8_000_000;
 /** Debounce of requests during stepping through frames, milliseconds. */
 const REST_MS = 120;
-
-interface Placement {
-  readonly frame: number;
-  readonly T_shown_frame: readonly number[];
-  readonly moving: readonly { readonly label: number; readonly T_shown_frame: readonly number[] }[];
-}
 
 /** Frames around `frame`, the nearest first, as many as fit; and how many do not. */
 export function wanted(

@@ -4,6 +4,7 @@ import { ALL_POINTS, type CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
 import type { Link } from '../net/link';
 import { apiUrl } from '../net/rest';
+import type { Chunk, ChunkTable } from '../protocol/values';
 import { state } from '../store/state';
 import type { Playback } from './playback';
 
@@ -73,7 +74,7 @@ export class Detail {
       this.next = performance.now() + RETRY_MS;
       return;
     }
-    const { chunks } = (await response.json()) as { chunks: ChunkRow[] };
+    const { chunks } = (await response.json()) as ChunkTable;
     this.nodes = chunks.map(nodeOf);
     this.parents = this.nodes.map((node) => node.parent);
     this.order = '';
@@ -166,15 +167,6 @@ export interface OctreeNode {
   readonly parent: number;
 }
 
-/** A row of the server's table of chunks. */
-interface ChunkRow {
-  readonly index: number;
-  readonly count: number;
-  readonly lo: readonly [number, number, number];
-  readonly hi: readonly [number, number, number];
-  readonly parent: number;
-}
-
 /** View of the camera, in the frame's own coordinates. */
 export interface View {
   readonly eye: Vector3;
@@ -183,7 +175,13 @@ export interface View {
   readonly pixels: number;
 }
 
-export function nodeOf({ index, count, lo, hi, parent }: ChunkRow): OctreeNode {
+export function nodeOf({
+  index,
+  count,
+  lo,
+  hi,
+  parent,
+}: Omit<Chunk, 'level' | 'first' | 'offset' | 'nbytes' | 'origin' | 'scale'>): OctreeNode {
   const box = new Box3();
   box.min.fromArray(lo);
   box.max.fromArray(hi);

@@ -1,9 +1,10 @@
 /** Moving through time: play, step, seek, the next doubtful frame, and the frame of an undo. */
 import { actions, type ActionParts } from '../store/actions';
 import { api } from '../net/rest';
+import type { PastEdit } from '../protocol/values';
 import { frameRange, ordered } from '../store/range';
 import { cellKind, nextUnlabelled, wantsLook } from '../store/cells';
-import { type HistoryEntry, notify, state } from '../store/state';
+import { notify, state } from '../store/state';
 import { follow } from '../store/watch';
 import type { Playback } from './playback';
 import { sequencePath } from './recordings/recordings';
@@ -107,15 +108,15 @@ export function showTravel(type: 'undo' | 'redo', edit: string): void {
   const timer = setTimeout(stop, PATIENCE_MS);
 }
 
-async function find(sequence: string, edit: string): Promise<HistoryEntry | null> {
+async function find(sequence: string, edit: string): Promise<PastEdit | null> {
   const path = `${sequencePath(sequence)}/edits?limit=${RECENT}`;
   // The user has not requested the history: an error needs no message.
-  const edits = await api<HistoryEntry[]>('GET', path).catch(() => []);
+  const edits = await api<PastEdit[]>('GET', path).catch(() => []);
   return edits.find((entry) => entry.id === edit) ?? null;
 }
 
 /** Go to the nearest frame of an edit, and show a message. */
-function go(type: 'undo' | 'redo', { frames, summary }: HistoryEntry): void {
+function go(type: 'undo' | 'redo', { frames, summary }: PastEdit): void {
   const here = state.frame.peek();
   if (frames.length === 0 || frames.includes(here)) return;
   const away = (frame: number): number => Math.abs(frame - here);

@@ -1,4 +1,5 @@
 /** Bar over the canvas, at the bottom: the question of the place in doubt, and applying the prediction. */
+import type { Place as Question } from '../protocol/values';
 import { signal } from '@preact/signals';
 import { Icon } from '../common/icons';
 import { percent, plural } from '../common/format';
@@ -7,7 +8,7 @@ import { PopoverButton } from '../panels/parts/popover';
 import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { frameRange, ordered } from '../store/range';
 import { canEdit, state } from '../store/state';
-import { coloursOf, type Question } from './model';
+import { coloursOf } from './model';
 import { answerable, answerDoubt, answered, applyPrediction, asking, classifier, classifiers, closeExample, exampleOpen, leaveQuestion, makeClassifier, predicted, question, skipDoubt, starts, takeBackAnswer, toggleExample } from './store'; // prettier-ignore
 import { Summary } from './summary';
 

@@ -1,44 +1,7 @@
 /** Values of label by example: the server's answers, and values that the page derives from them. */
-import type { Runs } from '../cameras/state';
 import { MOST_CLASSES, PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
 import { FADED, mixed, UNKNOWN } from '../engine/labels/colouring';
 import type { Label } from '../protocol/messages';
-
-export interface Classifier {
-  readonly id: string;
-  readonly name: string;
-  readonly classes: readonly string[];
-  /** Recording → examples of it. */
-  readonly taught_by: Readonly<Record<string, number>>;
-  /** Class → examples of it. */
-  readonly examples: Readonly<Record<string, number>>;
-  /** Share of held-out examples that it gets right; null: too few to tell. */
-  readonly score: number | null;
-  /** Class → its accuracy in places held out, null where these are too few. */
-  readonly held_out?: Readonly<Record<string, HeldOut>>;
-  /** Least confidence that the accuracy in places held out supports, 0..1. */
-  readonly above?: number;
-}
-
-export interface HeldOut {
-  readonly accuracy: number | null;
-  readonly places: number;
-}
-
-/** An uncertain place for an answer. */
-export interface Question {
-  readonly sequence: string;
-  readonly frame: number;
-  /** Source coordinates, metres. */
-  readonly centre: readonly [number, number, number];
-  /** Of a stroke that answers, metres. */
-  readonly radius: number;
-  readonly points: number;
-  /** Stored numbers of the points: first and length of each run. */
-  readonly runs: Runs;
-  /** The two classes that it may be, the likelier first. */
-  readonly classes: readonly string[];
-}
 
 /** Class and confidence of each point of a frame, in stored order, or of some of its points. */
 export interface Prediction {

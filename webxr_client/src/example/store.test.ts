@@ -1,13 +1,13 @@
 import { beforeEach, expect, it, vi } from 'vitest';
 import type { Label } from '../protocol/messages';
+import type { Classifier, Place as Question } from '../protocol/values';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
-import type { Classifier, Question } from './model';
 import { answerDoubt, answered, classifier, exampleOpen, question, takeBackAnswer } from './store';
 
 const ASKED: Question = {
   sequence: 'hall', frame: 0, centre: [1.5, 0, -2.25], radius: 0.2, points: 20,
-  runs: [[3, 20]], classes: ['road', 'wall'],
+  runs: [[3, 20]], classes: ['road', 'wall'], doubt: 0.5,
 }; // prettier-ignore
 const calls: [string, unknown][] = [];
 let undone = 20;

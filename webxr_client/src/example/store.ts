@@ -3,11 +3,12 @@ import { computed, signal } from '@preact/signals';
 import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { plural } from '../common/format';
 import { api, apiBytes } from '../net/rest';
+import type { Classifier, Place as Question } from '../protocol/values';
 import { actions } from '../store/actions';
 import { canEdit, notify, state } from '../store/state';
 import { marked, markedFrom } from '../work/places';
 import { workOpen } from '../work/store';
-import { labelOf, predictionOf, type Classifier, type Prediction, type Question, type Scope } from './model'; // prettier-ignore
+import { labelOf, predictionOf, type Prediction, type Scope } from './model';
 
 /** Distance from which a doubt is looked at, in radii of its piece, and metres at least. */
 const [RADII_AWAY, LEAST_AWAY] = [10, 3];

@@ -1,37 +1,9 @@
 /** First messages, before the rest of the page has come: the socket, and the recording to open. */
+import type { Manifest } from '../protocol/values';
 import { isCheck } from '../common/checking';
 import { forgetPlace, placeIn } from './address';
 import { Link } from './link';
 import { api } from './rest';
-
-/** A recording as the list has it. */
-export interface SequenceOut {
-  readonly id: string;
-  readonly name: string;
-  readonly frames: number;
-  readonly fps: number;
-  /** Of each frame. */
-  readonly points: readonly number[];
-  /** Fault, in a sentence: it cannot be opened; null when it is sound. */
-  readonly damaged: string | null;
-  /** Reason why the labels in its files were not imported; null if they were, or if it has none. */
-  readonly labels_missing: string | null;
-  /** Date of the import, ISO 8601. */
-  readonly created: string | null;
-  /** Date of the last edit, or else of the import, ISO 8601. */
-  readonly changed: string | null;
-  /** Frames with labels. */
-  readonly labelled: number;
-  /** Number of labels, and of labels with points in some frame. */
-  readonly labels: number;
-  readonly labels_used: number;
-  /** Of its import: pictures kept of another one are not shown. */
-  readonly identity: string | null;
-  /** Id of its project. */
-  readonly project: string;
-  /** Original of this copy for one person; only reviewers receive it. */
-  readonly copy_of: string | null;
-}
 
 export class Early {
   readonly link = new Link();
@@ -68,7 +40,7 @@ export class Early {
 }
 
 /** Fetch all recordings that the user may open, including copies (see `copy_of`). */
-export function listSequences(): Promise<SequenceOut[]> {
+export function listSequences(): Promise<Manifest[]> {
   return api('GET', 'sequences?copies=true');
 }
 

@@ -1,10 +1,10 @@
 /** Formats of the export menu by purpose, and the losses of the format under the pointer or focus. */
+import type { ExportFormat } from '../protocol/values';
 import { useState } from 'preact/hooks';
 import {
   exportFormats,
   groupFormats,
   lastExport,
-  type ExportFormat,
   type FormatGroup,
 } from '../engine/recordings/export-formats';
 import { boxes } from '../store/boxes';

@@ -1,4 +1,5 @@
 /** Downloads. */
+import type { ExportFormat } from '../protocol/values';
 import { computed, signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { plural } from '../common/format';
@@ -6,7 +7,6 @@ import { Icon } from '../common/icons';
 import { actions } from '../store/actions';
 import { boxes } from '../store/boxes';
 import { menuOf, search } from '../store/palette-list';
-import type { ExportFormat } from '../engine/recordings/export-formats';
 import { state } from '../store/state';
 import { ExportFormats } from './export-formats';
 import { ChoiceRow } from './parts/fields';

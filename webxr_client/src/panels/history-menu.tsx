@@ -1,9 +1,10 @@
 /** History of changes, with author and time; a line leads to its frame. */
+import type { PastEdit } from '../protocol/values';
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../store/actions';
 import { labelIn } from '../engine/time';
-import { state, type HistoryEntry } from '../store/state';
+import { state } from '../store/state';
 import { plural } from '../common/format';
 import { PopoverButton } from './parts/popover';
 
@@ -48,7 +49,7 @@ function HistoryMenu() {
   );
 }
 
-function HistoryLine({ edit }: { edit: HistoryEntry }) {
+function HistoryLine({ edit }: { edit: PastEdit }) {
   const frame = edit.frames[0];
   return (
     <button
@@ -80,7 +81,7 @@ function HistoryLine({ edit }: { edit: HistoryEntry }) {
   );
 }
 
-function place({ frames, kind }: HistoryEntry): string {
+function place({ frames, kind }: PastEdit): string {
   if (frames.length === 0) return PALETTE.has(kind) ? 'palette' : 'no change';
   const [first, last] = [Math.min(...frames), Math.max(...frames)];
   return first === last ? `frame ${first}` : `frames ${first} – ${last}`;

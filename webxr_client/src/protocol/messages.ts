@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'a4059a8344f1';
+export const SCHEMA_HASH = '230e62d1f2d2';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -17,8 +17,11 @@ export interface Ask {
   id: string;
   frame: number;
   brush: Brush;
+  /** Rays at the object or at the region. */
   samples: Sample[];
+  /** Rays at points that do not belong to the object. */
   negatives?: Sample[];
+  /** The candidate taken so far; the new candidates stay close to it if the clicks allow that. */
   previous?: string;
 }
 
@@ -29,7 +32,7 @@ export interface Brush {
   /** ray: take all points along the ray, not only the first surface */
   through?: boolean;
   /** lasso: vertices in normalised device coordinates, x right and y up, -1..1 */
-  polygon?: [number, number][] | null;
+  polygon?: ([number, number])[] | null;
   /** lasso: `clip_from_source`, the camera's projection times view, row-major */
   matrix?: number[] | null;
   /** box: metres */
@@ -50,10 +53,16 @@ export interface Brush {
   take_labelled?: boolean;
   /** object: this author's last edit, which the stroke replaces: one undo reverts a refined object */
   replaces?: string | null;
+  /** Id of the label to paint; 0 for the other tools. */
   label?: number;
+  /**
+   * `paint`: give the label; `erase`: remove labels; `delete`: delete points as noise;
+   * `restore`: bring deleted points back.
+   */
   tool?: 'paint' | 'erase' | 'delete' | 'restore';
   /** `sphere`: The volume that a ball sweeps along the samples' origins. `ray`: A ball round the first surface that each ray meets, or all along the ray. `lasso`: Points that a camera sees inside an outline. `box`: The inside of a box. `grow`: The connected region of similar colour and normal round each place met. `cluster`: Points above the ground round each place met, without gaps wider than the radius. `plane`: The flat surface round each place met: ground, a wall. `object`: A candidate of the object tool; the samples are rays at the object. */
   shape?: 'sphere' | 'ray' | 'lasso' | 'box' | 'grow' | 'cluster' | 'plane' | 'object';
+  /** Paint only points without a label. */
   only_unlabeled?: boolean;
   /** labels that only this viewer hides, beside the hidden labels of the palette; 0: points without a label. Strokes do not change their points, and rays pass through them. */
   hidden?: number[];
@@ -112,6 +121,7 @@ export interface Hello {
   type: 'hello';
   name?: string;
   color?: string | null;
+  /** The server may send frames of depth cameras as ``depth`` messages instead of ``frame``. */
   depth?: boolean;
 }
 
@@ -129,7 +139,7 @@ export interface Open {
   frame?: number;
   identity?: string | null;
   revision?: number | null;
-  held?: [number, number][] | null;
+  held?: ([number, number])[] | null;
 }
 
 /** Stop the clock, at ``frame`` if given; the server refines this frame to all its points. */
@@ -154,8 +164,11 @@ export interface Redo {
 
 /** One sample of the controller or mouse: a ray, and the time since the stroke began. */
 export interface Sample {
+  /** Position of the device or the eye, source coordinates, metres. */
   origin: [number, number, number];
+  /** Direction of the ray, of any length. */
   direction?: [number, number, number];
+  /** Milliseconds since the stroke began. */
   t?: number;
 }
 
@@ -258,6 +271,7 @@ export interface Annotation {
   base: number | null;
   edit: string | null;
   author: string | null;
+  /** True: a result of a tracking run that is not committed yet. */
   provisional: boolean;
   first: number;
   count: number;
@@ -265,23 +279,35 @@ export interface Annotation {
   values: Uint8Array;
 }
 
-/** An oriented box of a label: one size, and a pose in each of its frames. */
+/** An oriented box of a label. */
 export interface Box {
+  /** Number of the box, never given to another box of the recording. */
   id: number;
+  /** Id of the label. */
   label: number;
+  /** Length, width and height along the box's x, y and z, metres. */
   size: [number, number, number];
+  /** Pose in each frame, by the frame's number. */
   poses: Record<string, BoxPose>;
+  /** Attributes of the box in all frames, by name. */
   attributes: Record<string, string | number | boolean>;
+  /** Origin of the box. `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
   provenance: 'fitted' | 'drawn' | 'imported';
+  /** False: the front of the object may also be at the opposite end of the box. */
   heading_known: boolean;
 }
 
-/** Pose of a box in one frame; its attributes take precedence over the box's attributes. */
+/** Pose of a box in one frame. */
 export interface BoxPose {
+  /** Centre of the box, source coordinates, metres. */
   centre: [number, number, number];
+  /** x, y, z, w: from the box's axes (x forward, y left, z up) to the axes of the frame. */
   quaternion: [number, number, number, number];
+  /** Origin of the pose. `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
   provenance: 'fitted' | 'drawn' | 'imported';
+  /** Confidence in the pose, 0 to 1. */
   confidence: number;
+  /** Attributes in this frame, by name; they take precedence over the box's. */
   attributes: Record<string, string | number | boolean>;
 }
 
@@ -343,6 +369,7 @@ export interface Chunk {
   level: number;
   first: number;
   count: number;
+  /** Byte offset in the message's ``data`` (in a frame message) or in the frame's wire file. */
   offset: number;
   nbytes: number;
   origin: [number, number, number];
@@ -361,6 +388,7 @@ export interface Compiling {
   type: 'compiling';
   step: 'objects' | 'things' | 'people' | 'imports' | 'example' | 'paper';
   share: number;
+  /** Time that probably remains; null: the step has not begun. */
   seconds: number | null;
 }
 
@@ -375,6 +403,7 @@ export interface Depth {
   sequence: string;
   frame: number;
   total: number;
+  /** The frame is complete at the client once this is applied. */
   final: boolean;
   chunks: DepthChunk[];
   data: Uint8Array;
@@ -386,6 +415,7 @@ export interface DepthChunk {
   level: number;
   first: number;
   count: number;
+  /** Byte offset in the message's ``data``. */
   offset: number;
   nbytes: number;
   lo: [number, number, number];
@@ -399,6 +429,7 @@ export interface Error {
   detail: string;
   status: number;
   about: string | null;
+  /** The sequence that was closed for this viewer: it was deleted or cannot be read. */
   closed: string | null;
 }
 
@@ -413,6 +444,7 @@ export interface Frame {
   sequence: string;
   frame: number;
   total: number;
+  /** The frame is complete at the client once this is applied. */
   final: boolean;
   chunks: Chunk[];
   data: Uint8Array;
@@ -429,7 +461,9 @@ export interface Job {
   message: string;
   frame: number | null;
   error: string | null;
+  /** The edit that the job makes: the id of the ``track`` message that started it. */
   edit: string | null;
+  /** The account that started the job; this account and managers may stop it. */
   owner: string;
 }
 
@@ -450,6 +484,7 @@ export interface Labels {
   revision: number;
   labels: Label[];
   counts: Record<string, number>;
+  /** Summary of the edit that an undo of this author would take back, or null. */
   undo: string | null;
   redo: string | null;
 }
@@ -468,6 +503,7 @@ export interface Lattice {
   sign: -1 | 1;
   tangent: [number, number];
   pitch: [number, number];
+  /** Local coordinates (source minus shift). */
   eye: [number, number, number];
   unit: number;
 }
@@ -483,6 +519,7 @@ export interface Prepared {
 export interface SequenceInfo {
   type: 'sequence';
   id: string;
+  /** Id of this import: data of another import is void, even under the same ``id``. */
   identity: string;
   name: string;
   frames: number;
@@ -491,12 +528,19 @@ export interface SequenceInfo {
   fields: string[];
   shift: [number, number, number];
   lo: [number, number, number];
+  /** Bounds over all frames, in local coordinates (source minus shift). */
   hi: [number, number, number];
+  /** ``T_room_local``: places the recording on the floor, y up, metres. */
   room: number[];
+  /** True: some or all frames have camera pictures. */
   cameras: boolean;
+  /** True: chunks form an octree; request them with ``want``, and their table over HTTP. */
   large: boolean;
+  /** Greatest difference of a streamed and the stored coordinate, metres per axis. */
   position_error: number;
+  /** Greatest root mean square difference of a ``depth`` frame's colours from the stored ones. */
   color_error: number;
+  /** The pixels of ``depth`` messages; null: there are no such messages. */
   lattice: Lattice | null;
   revision: number;
   frame: number;
@@ -543,11 +587,17 @@ export interface Timeline {
   sequence: string;
   revision: number;
   whole: boolean;
+  /** uint32. */
   frames: Uint8Array;
+  /** uint16. */
   labels: Uint8Array;
+  /** uint32. */
   points: Uint8Array;
+  /** uint32: the number of points that a person painted. */
   painted: Uint8Array;
+  /** float32, 0..1; NaN where the label was not tracked. */
   confidence: Uint8Array;
+  /** uint8: 0 none, 1 painted, 2 tracked, 3 occluded, 4 lost. */
   states: Uint8Array;
 }
 
@@ -556,15 +606,20 @@ export interface Welcome {
   type: 'welcome';
   viewer: string;
   author: string;
+  /** `viewer`: sees recordings and labels; `annotator`: changes labels; `reviewer`: accepts and rejects labels; `manager`: manages recordings, projects and accounts; `admin`: manages the server */
   role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
   version: string;
+  /** Frame messages that the server may send before the client returns a credit. */
   credits: number;
+  /** The account to which edits and jobs belong; ``author`` is its displayed name. */
   account: string;
 }
 
 /** A requested feature; ``granted`` is null if the browser does not report it. */
 export interface HeadsetFeature {
+  /** Name of the WebXR feature. */
   name: string;
+  /** The session has it; null: the browser does not report it. */
   granted: boolean | null;
 }
 
@@ -575,27 +630,45 @@ export interface HeadsetFeature {
  * ``leaned`` are numbers of used buttons and axes; ``joints`` is null without a hand.
  */
 export interface HeadsetInput {
+  /** Hand of the source: `left`, `right` or `none`. */
   side: 'left' | 'right' | 'none';
+  /** WebXR target ray mode. */
   mode: string;
+  /** WebXR input profiles, the most specific first. */
   profiles: string[];
+  /** Classification by the page; empty: unknown. */
   kind: string;
+  /** Layout of its buttons by the page; empty: unknown. */
   layout: string;
+  /** Number of its buttons. */
   buttons: number;
+  /** Number of its axes. */
   axes: number;
+  /** Numbers of the buttons that were pressed. */
   pressed: number[];
+  /** Numbers of the axes that were moved. */
   leaned: number[];
+  /** Number of tracked joints; null: no hand. */
   joints: number | null;
+  /** Interface for vibration: `hapticActuators`, `vibrationActuator` or `none`. */
   pulses: 'hapticActuators' | 'vibrationActuator' | 'none';
 }
 
 /** The layer to draw to; ``foveation`` is null if the browser has none. */
 export interface HeadsetLayer {
+  /** Layer to draw to: `projection` or `webgl`. */
   kind: 'projection' | 'webgl';
+  /** Width of its texture, pixels. */
   width: number;
+  /** Height of its texture, pixels. */
   height: number;
+  /** Number of views. */
   views: number;
+  /** Fixed foveation, 0 to 1; null: the browser has none. */
   foveation: number | null;
+  /** Distance of the near plane, metres. */
   depth_near: number;
+  /** Distance of the far plane, metres. */
   depth_far: number;
 }
 
@@ -607,49 +680,80 @@ export interface HeadsetLayer {
  * the measured one.
  */
 export interface HeadsetPictures {
+  /** Display rate that the browser reports, hertz; null: none. */
   told: number | null;
+  /** Display rates that the browser offers, hertz. */
   offered: number[];
+  /** Measured display rate, hertz. */
   found: number;
+  /** Number of pictures. */
   count: number;
+  /** Median time between pictures, milliseconds. */
   median_ms: number;
+  /** Time between pictures that 95 % stay below, milliseconds. */
   p95_ms: number;
+  /** Number of pictures that missed a refresh. */
   late: number;
 }
 
 /** The whole file; ``trouble``: why no session started; ``session``: null without a session. */
 export interface HeadsetReport {
+  /** Kind of the file: `pointbrush headset report`. */
   format: 'pointbrush headset report';
+  /** Version of the format. */
   version: 1;
+  /** Time of the report, ISO 8601. */
   made: string;
+  /** Version of pointbrush. */
   pointbrush: string;
+  /** User agent of the browser. */
   browser: string;
+  /** Reason why no session started; empty: one started. */
   trouble: string;
+  /** Initial state of the session; null: none. */
   session: HeadsetSession | null;
+  /** Input sources. */
   inputs: HeadsetInput[];
+  /** Times between pictures; null: not measured. */
   pictures: HeadsetPictures | null;
+  /** Tasks and their outcomes. */
   tasks: HeadsetTask[];
 }
 
 /** The initial state of a session; ``floor``: its space has the height of the floor. */
 export interface HeadsetSession {
+  /** WebXR session mode. */
   mode: string;
+  /** Environment blend mode. */
   blend: string;
+  /** The space has the height of the floor. */
   floor: boolean;
+  /** Requested features. */
   features: HeadsetFeature[];
+  /** Reference spaces. */
   spaces: HeadsetSpace[];
+  /** Layer to draw to. */
   layer: HeadsetLayer;
 }
 
 /** A reference space, and whether the session provides it. */
 export interface HeadsetSpace {
+  /** Type of the WebXR reference space. */
   name: string;
+  /** The session provides it. */
   given: boolean;
 }
 
 /** A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel. */
 export interface HeadsetTask {
+  /**
+   * What the person tried: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`,
+   * `undo`, `step` a frame, or `go` somewhere.
+   */
   name: 'play' | 'felt' | 'paint' | 'erase' | 'label' | 'undo' | 'step' | 'go';
+  /** Outcome: `works`, `fails` or `unknown`. */
   verdict: 'works' | 'fails' | 'unknown';
+  /** It was done by a button or pad of a controller, not a panel. */
   by_buttons: boolean;
 }
 

@@ -2,7 +2,7 @@
  * Actions that a user can ask for, from a button, a key or a controller.  The engine implements these
  * (`bindActions`); before it does, they do nothing.
  */
-import type { Track } from '../protocol/messages';
+import type { Label, Track } from '../protocol/messages';
 import type {
   Bookmark,
   BrushShape,
@@ -12,14 +12,6 @@ import type {
   Tool,
   ViewSettings,
 } from './types';
-
-export interface LabelPatch {
-  readonly name?: string;
-  readonly category?: string;
-  readonly color?: string;
-  readonly locked?: boolean;
-  readonly visible?: boolean;
-}
 
 /** `labels` null: every label painted in the start frame; `stop` smaller than `start`: backward. */
 export type TrackRequest = Readonly<Omit<Track, 'type' | 'id'>>;
@@ -106,7 +98,7 @@ export interface LabelActions {
   createLabel(name?: string, color?: string, category?: string): Promise<number>;
   /** The same at the desk: its name can be typed at once. */
   newLabel(): Promise<void>;
-  updateLabel(id: number, patch: LabelPatch): Promise<void>;
+  updateLabel(id: number, patch: Partial<Label>): Promise<void>;
   renameLabel(id: number, name: string): Promise<void>;
   recolorLabel(id: number, color: string): Promise<void>;
   /** Give all labels that are not locked colours of this person's set, in their order. */

@@ -7,6 +7,7 @@
  */
 import { computed, signal, type ReadonlySignal, type Signal } from '@preact/signals';
 import type { Compiling, Job, Label, SequenceInfo } from '../protocol/messages';
+import type { PastEdit } from '../protocol/values';
 import type {
   Connection,
   Me,
@@ -21,7 +22,6 @@ import type {
   Hover,
   ObjectView,
   ViewSettings,
-  HistoryEntry,
   Shown,
   Notice,
   Upload,
@@ -128,7 +128,7 @@ export const state = {
   undo: signal<string | null>(null),
   redo: signal<string | null>(null),
   /** Newest first; filled when `actions.history.loadHistory` was called. */
-  history: signal<readonly HistoryEntry[]>([]),
+  history: signal<readonly PastEdit[]>([]),
   /** Strokes that the server has not answered yet. */
   pending: signal(0),
   notices: signal<readonly Notice[]>([]),

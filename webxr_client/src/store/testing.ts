@@ -19,5 +19,16 @@ export function recordingRow(id: string, name = id): SequenceSummary {
     identity: null,
     project: 'default',
     copy_of: null,
+    bounds: { lo: [0, 0, 0], hi: [0, 0, 0] },
+    fields: ['xyz'],
+    revision: 0,
+    shift: [0, 0, 0],
+    room: [],
+    position_error: 0,
+    dropped: [0],
+    large: false,
+    source: '',
+    deleted: null,
+    until: null,
   };
 }

@@ -1,7 +1,7 @@
 /** Types of the store's values: `state.ts` has the signals. */
-import type { SequenceOut } from '../net/early';
 import type { Unsent } from '../net/wire';
 import type { Brush, Welcome } from '../protocol/messages';
+import type { Manifest } from '../protocol/values';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 
@@ -45,18 +45,14 @@ export interface Person {
 // ── recordings ───────────────────────────────────────────────────────────────────────────────
 
 /** One row of the list of recordings. */
-export interface SequenceSummary extends Omit<SequenceOut, 'points'> {
+export interface SequenceSummary extends Omit<Manifest, 'points'> {
   /** Points of the largest frame. */
   readonly points: number;
 }
 
-/** A deleted recording that can still be brought back. */
-export interface DeletedSequence {
-  /** Identity of its import, which differs from other imports of the same id. */
+/** A deleted recording that can still be restored. */
+export interface DeletedSequence extends Manifest {
   readonly identity: string;
-  readonly name: string;
-  readonly frames: number;
-  /** ISO 8601: when it was deleted, and until when it is kept. */
   readonly deleted: string;
   readonly until: string;
 }
@@ -209,20 +205,6 @@ export interface Bookmark {
 }
 
 // ── work and messages ────────────────────────────────────────────────────────────────────────
-
-export interface HistoryEntry {
-  readonly id: string;
-  readonly revision: number;
-  readonly author: string;
-  /** ISO 8601. */
-  readonly time: string;
-  readonly kind: string;
-  readonly summary: string;
-  readonly points: number;
-  /** Numbers of the frames it changed. */
-  readonly frames: readonly number[];
-  readonly undone: boolean;
-}
 
 /** A short message to the user; `error` stays until dismissed. */
 export interface Notice {

@@ -1,8 +1,8 @@
 /** Accounts of the workspace, for managers. */
+import type { Account } from '../protocol/values';
 import { useEffect, useState } from 'preact/hooks';
 import { plural } from '../common/format';
 import {
-  type Account,
   accounts,
   addToken,
   createAccount,

@@ -1,6 +1,7 @@
 /** The settings of a project: its name, and a tab for each kind of settings. */
+import type { ProjectInfo } from '../protocol/values';
 import { useEffect, useState } from 'preact/hooks';
-import { type Project, settled } from '../engine/recordings/projects';
+import { settled } from '../engine/recordings/projects';
 import { Button, Check } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
 import { Tabs, tabId } from '../panels/parts/tabs';
@@ -24,7 +25,7 @@ import {
 import { Recordings, ProjectTasks } from './settings-work';
 import { Webhooks } from './webhooks';
 
-const BODIES: Readonly<Record<SettingsTab, (props: { of: Project }) => preact.JSX.Element>> = {
+const BODIES: Readonly<Record<SettingsTab, (props: { of: ProjectInfo }) => preact.JSX.Element>> = {
   people: People,
   categories: Categories,
   recordings: Recordings,
@@ -79,7 +80,7 @@ export function ProjectSettings() {
   );
 }
 
-function People({ of }: { of: Project }) {
+function People({ of }: { of: ProjectInfo }) {
   const [account, setAccount] = useState('');
   const [role, setNewRole] = useState('annotator');
   const rows = Object.entries(of.roles).sort();
@@ -129,7 +130,7 @@ function People({ of }: { of: Project }) {
   );
 }
 
-function Categories({ of: { categories } }: { of: Project }) {
+function Categories({ of: { categories } }: { of: ProjectInfo }) {
   useEffect(() => void loadTaxonomy(), []);
   const all = taxonomy.value;
   return (

@@ -1,12 +1,7 @@
 /** Settings of a project: its recordings, which are moved in or imported, and its tasks. */
+import type { ProjectInfo } from '../protocol/values';
 import { useEffect } from 'preact/hooks';
-import {
-  importInto,
-  type Project,
-  projects,
-  settled,
-  TASK_WORDS,
-} from '../engine/recordings/projects';
+import { importInto, projects, settled, TASK_WORDS } from '../engine/recordings/projects';
 import { rowOf } from '../engine/recordings/recordings';
 import { ImportBox } from '../panels/importing/import-box';
 import { Choice } from '../panels/parts/fields';
@@ -21,7 +16,7 @@ const titleOf = (recording: string): string => rowOf(recording)?.name ?? recordi
 const projectTitle = (id: string): string =>
   projects.value.find((each) => each.id === id)?.name ?? id;
 
-export function Recordings({ of }: { of: Project }) {
+export function Recordings({ of }: { of: ProjectInfo }) {
   const others = (state.sequences.value ?? []).filter(({ project }) => project !== of.id);
   return (
     <>
@@ -56,7 +51,7 @@ export function Recordings({ of }: { of: Project }) {
   );
 }
 
-export function ProjectTasks({ of }: { of: Project }) {
+export function ProjectTasks({ of }: { of: ProjectInfo }) {
   useEffect(() => void loadProjectTasks(), [of.id]);
   return (
     <>

@@ -1,5 +1,6 @@
+import type { ProjectInfo } from '../protocol/values';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { type Project, projects, settled } from '../engine/recordings/projects';
+import { projects, settled } from '../engine/recordings/projects';
 import { state } from '../store/state';
 import {
   addWebhook,
@@ -11,10 +12,10 @@ import {
   taxonomy,
 } from './settings';
 
-const night = { id: 'night', name: 'Night', role: 'manager', roles: {}, categories: null, recordings: [] } as unknown as Project; // prettier-ignore
+const night = { id: 'night', name: 'Night', role: 'manager', roles: {}, categories: null, recordings: [] } as unknown as ProjectInfo; // prettier-ignore
 let sent: [string, unknown][] = [];
 /** The project as the server has it. */
-let kept: Project = night;
+let kept: ProjectInfo = night;
 
 beforeEach(() => {
   sent = [];
@@ -30,7 +31,9 @@ beforeEach(() => {
   state.sequence.value = null;
   projects.value = [night];
   settled.value = 'night';
-  taxonomy.value = [1, 2, 4].map((number) => ({ number, name: `class ${number}` }));
+  taxonomy.value = [1, 2, 4].map((number) => ({
+    ...{ number, name: `class ${number}`, color: '', datasets: {}, size: null, spread: null },
+  }));
 });
 afterEach(() => void vi.unstubAllGlobals());
 

@@ -1,17 +1,20 @@
 /** Settings of a project for its managers: their state, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
 import { loadCategories } from '../engine/labels/categories';
-import {
-  type Project,
-  projectPath,
-  projects,
-  refreshProjects,
-  settled,
-} from '../engine/recordings/projects';
+import { projectPath, projects, refreshProjects, settled } from '../engine/recordings/projects';
 import { attempt, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
+import type {
+  Category,
+  Delivery,
+  ProjectInfo,
+  SecretWebhook,
+  Task,
+  Taxonomy,
+  Webhook,
+} from '../protocol/values';
 import { actions } from '../store/actions';
-import { loadTasks, type Task } from '../work/queue';
+import { loadTasks } from '../work/queue';
 
 export const TABS = [
   ['people', 'People'],
@@ -22,32 +25,8 @@ export const TABS = [
 ] as const;
 export type SettingsTab = (typeof TABS)[number][0];
 
-export interface Category {
-  readonly number: number;
-  readonly name: string;
-}
-
-export interface Webhook {
-  readonly id: string;
-  readonly url: string;
-  readonly topics: readonly string[];
-  /** ISO 8601; null while its receiver answers. */
-  readonly paused_until: string | null;
-}
-
-/** An event for a webhook; `delivered` is null until it has arrived. */
-export interface Delivery {
-  readonly id: string;
-  readonly topic: string;
-  /** ISO 8601. */
-  readonly created: string;
-  readonly attempts: number;
-  readonly delivered: string | null;
-  readonly error: string;
-}
-
 /** Values of a project to set. */
-type ProjectPatch = Partial<Pick<Project, 'name' | 'roles' | 'categories' | 'recordings'>>;
+type ProjectPatch = Partial<Pick<ProjectInfo, 'name' | 'roles' | 'categories' | 'recordings'>>;
 
 export const settingsTab = signal<SettingsTab>('people');
 export const settledProject = computed(
@@ -92,7 +71,9 @@ export function save(patch: ProjectPatch): Promise<void> {
 export function setRole(account: string, role: string | null): Promise<void> {
   const before = Object.entries(settledProject.peek()?.roles ?? {});
   const others = Object.fromEntries(before.filter(([name]) => name !== account));
-  return save({ roles: role === null ? others : { ...others, [account]: role } });
+  return save({
+    roles: role === null ? others : { ...others, [account]: role as ProjectInfo['role'] },
+  });
 }
 
 /** Select a category, or leave it out; all selected is no selection. */
@@ -108,7 +89,7 @@ export function selectCategory(number: number, on: boolean): Promise<void> {
 
 export const loadTaxonomy = (): Promise<void> =>
   attempt('The categories did not load', async () => {
-    const found = await api<{ categories: readonly Category[] }>('GET', 'taxonomy');
+    const found = await api<Taxonomy>('GET', 'taxonomy');
     taxonomy.value = found.categories;
   });
 
@@ -137,7 +118,7 @@ export const loadWebhooks = (): Promise<void> =>
 export async function addWebhook(url: string, topics: readonly string[]): Promise<boolean> {
   const done = await succeeds('The webhook was not added', async () => {
     const body = { url, topics };
-    const made = await api<Webhook & { secret: string }>('POST', place('/webhooks'), body);
+    const made = await api<SecretWebhook>('POST', place('/webhooks'), body);
     secret.value = { webhook: made.id, words: made.secret };
   });
   await loadWebhooks();

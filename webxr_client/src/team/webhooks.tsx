@@ -1,18 +1,9 @@
 /** Settings of a project: addresses that receive its events. */
+import type { Delivery, ProjectInfo, Webhook } from '../protocol/values';
 import { useEffect, useState } from 'preact/hooks';
 import { day, plural } from '../common/format';
 import { Button, Check } from '../panels/parts/controls';
-import type { Project } from '../engine/recordings/projects';
-import {
-  addWebhook,
-  deliveries,
-  type Delivery,
-  loadWebhooks,
-  removeWebhook,
-  secret,
-  type Webhook,
-  webhooks,
-} from './settings';
+import { addWebhook, deliveries, loadWebhooks, removeWebhook, secret, webhooks } from './settings';
 
 const TOPICS = [
   ['task', 'Task states'],
@@ -22,7 +13,7 @@ const TOPICS = [
 /** Events of a webhook that are listed. */
 const LISTED = 5;
 
-export function Webhooks({ of }: { of: Project }) {
+export function Webhooks({ of }: { of: ProjectInfo }) {
   useEffect(() => void loadWebhooks(), [of.id]);
   return (
     <>

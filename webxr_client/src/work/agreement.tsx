@@ -1,4 +1,5 @@
 /** Agreement of two people: figures, the places where they differ, the choice of one, scores. */
+import type { Agreement, Disagreement } from '../protocol/values';
 import { plural, shortCount } from '../common/format';
 import type { IconName } from '../common/icons';
 import { may } from '../engine/recordings/projects';
@@ -6,8 +7,8 @@ import { Button } from '../panels/parts/controls';
 import { RadioGroup } from '../panels/parts/radio-group';
 import { state } from '../store/state';
 import * as copies from './copies';
-import type { Disagreement, Group, Pair } from './copies';
-import { type Agreement, percent, worstFrames } from './model';
+import type { Group, Pair } from './copies';
+import { percent, worstFrames } from './model';
 import { Choice, Table } from '../panels/parts/fields';
 import { Entry } from './parts';
 import { visit } from './places';

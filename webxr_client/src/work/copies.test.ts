@@ -1,6 +1,7 @@
 import { beforeEach, expect, test, vi } from 'vitest';
-import { type Project, projects } from '../engine/recordings/projects';
+import { projects } from '../engine/recordings/projects';
 import type { SequenceInfo } from '../protocol/messages';
+import type { Disagreement, ProjectInfo, Task } from '../protocol/values';
 import { bindActions } from '../store/actions';
 import { state, type SequenceSummary } from '../store/state';
 import { follow } from '../store/watch';
@@ -8,7 +9,6 @@ import {
   choose,
   chosenPair,
   current,
-  type Disagreement,
   followCopies,
   grouped,
   groups,
@@ -23,7 +23,7 @@ import {
 } from './copies';
 import { coloursOf, idsOf, labelsOf } from './shown-copies';
 import { arrive, marked } from './places';
-import { type Task, tasks } from './queue';
+import { tasks } from './queue';
 import { openWork } from './store';
 
 const place = (frame: number, more: Partial<Disagreement> = {}): Disagreement => ({
@@ -44,13 +44,13 @@ beforeEach(() => {
     return Promise.resolve(Response.json(path.startsWith('agreement') ? answer : []));
   });
   bindActions({ time: { seek }, recordings: { openSequence } });
-  projects.value = [{ id: 'night', role: 'reviewer' } as Project];
+  projects.value = [{ id: 'night', role: 'reviewer' } as ProjectInfo];
   state.sequences.value = [{ id: 'room', project: 'night' } as SequenceSummary];
   state.copies.value = ['room-2', 'room-3'].map((id) => ({ id, project: 'night', copy_of: 'room' }) as SequenceSummary); // prettier-ignore
   state.sequence.value = { id: 'room-2' } as SequenceInfo;
   state.framed.value = true;
   tasks.value = [{ sequence: 'room-2', assignee: 'ada' } as Task];
-  answer = [{ first: 'room-2', second: 'room-3', agreement: { miou: 1, same: 1, labels: [], frames: [] }, places: [place(4), place(2, { points: 30, has: 0 })] }]; // prettier-ignore
+  answer = [{ first: 'room-2', second: 'room-3', agreement: { miou: 1, same: 1, labels: [], frames: [], boxes: null }, places: [place(4), place(2, { points: 30, has: 0 })] }]; // prettier-ignore
   pairs.value = answer;
   chosenPair.value = '';
 });

@@ -3,46 +3,19 @@ import { computed, signal } from '@preact/signals';
 import { projectPath } from '../engine/recordings/projects';
 import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
+import type { Agreement, CopyAgreement, Disagreement, Score } from '../protocol/values';
 import { notify, state } from '../store/state';
 import { watch } from '../store/watch';
-import type { Agreement, Place } from './model';
 import { goTo } from './places';
 import { addTasks, tasks } from './queue';
 import { project, shows as onScreen } from './store';
 
 export type Who = 0 | 1;
 
-/** A difference of the second copy from the first in a frame; labels by name and by number. */
-export interface Disagreement {
-  readonly kind: 'missed' | 'added' | 'split' | 'merged' | 'renamed' | 'outline';
-  readonly frame: number;
-  readonly first: readonly string[];
-  readonly second: readonly string[];
-  readonly labels: readonly [readonly number[], readonly number[]];
-  readonly points: number;
-  /** Source coordinates; null in an octree. */
-  readonly place: Place | null;
-  /** Person that the recording agrees with there, or null. */
-  readonly has: Who | null;
-}
-
 /** Agreement of two copies or recordings, by their ids. */
-export interface Pair {
-  readonly first: string;
-  readonly second: string;
-  readonly agreement: Agreement;
+export interface Pair extends Omit<CopyAgreement, 'places'> {
   /** null: another recording, of which the server finds no places. */
   readonly places: readonly Disagreement[] | null;
-}
-
-/** Work of a person on frames of known truth; objects found, missed and added. */
-export interface Score {
-  readonly person: string;
-  readonly frames: number;
-  readonly miou: number | null;
-  readonly found: number;
-  readonly missed: number;
-  readonly added: number;
 }
 
 /** The same disagreement in one frame or several, by frame. */
@@ -51,7 +24,7 @@ export interface Group {
   readonly places: readonly Disagreement[];
   readonly points: number;
   /** Person that the recording agrees with in all of its frames, or null. */
-  readonly has: Who | null;
+  readonly has: number | null;
 }
 
 /** Labels in the cloud: the recording's, the first's, the second's, or differences of both. */

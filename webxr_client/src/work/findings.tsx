@@ -1,9 +1,10 @@
 /** Suspicious places, and the way from one to the next. */
+import type { Finding } from '../protocol/values';
 import type { IconName } from '../common/icons';
 import { plural } from '../common/format';
 import { Button } from '../panels/parts/controls';
 import { canReview } from '../store/state';
-import { type Finding, framesOf } from './model';
+import { framesOf } from './model';
 import { Entry } from './parts';
 import {
   checking,

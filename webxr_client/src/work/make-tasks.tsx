@@ -1,7 +1,7 @@
 /** The form that makes tasks: of the open recording, of a range of its frames, or of a project. */
+import type { ProjectInfo } from '../protocol/values';
 import { useState } from 'preact/hooks';
 import { plural } from '../common/format';
-import type { Project } from '../engine/recordings/projects';
 import { rowOf } from '../engine/recordings/recordings';
 import { AccountHint } from '../panels/parts/account-hint';
 import { FrameRange } from './frames';
@@ -10,7 +10,7 @@ import { Choice, Field } from '../panels/parts/fields';
 import { addTasks } from './queue';
 
 interface MakeTasksProps {
-  of: Project;
+  of: ProjectInfo;
   /** The open recording, which is offered first; without it all are. */
   open?: { readonly id: string; readonly frames: number } | null;
   onMade?: () => void;

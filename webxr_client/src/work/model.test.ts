@@ -1,14 +1,6 @@
+import type { Finding, ReviewOverview, Standing } from '../protocol/values';
 import { describe, expect, it } from 'vitest';
-import {
-  acceptances,
-  type Finding,
-  framesOf,
-  type Overview,
-  type Standing,
-  standingOf,
-  stepFrom,
-  worstFrames,
-} from './model';
+import { acceptances, framesOf, standingOf, stepFrom, worstFrames } from './model';
 
 function finding(id: string, first: number | null, labels: number[] = [1]): Finding {
   return { id, kind: 'few', text: '', labels, first, last: first, place: null, settled: false };
@@ -21,10 +13,11 @@ function standing(first: number, last: number, more: Partial<Standing> = {}): St
   }; // prettier-ignore
 }
 
-const overview = (...frames: Standing[]): Overview => ({
+const overview = (...frames: Standing[]): ReviewOverview => ({
   counts: { open: 0, review: 0, accepted: 0, rejected: 0 },
   frames,
   labels: [],
+  people: [],
 });
 
 describe('stepping through findings', () => {
@@ -71,6 +64,6 @@ it('names the frames that differ most', () => {
     { frame: 1, labelled: 10, differ: 5 },
     { frame: 2, labelled: 10, differ: 0 },
   ];
-  const found = worstFrames({ miou: 1, same: 1, labels: [], frames });
+  const found = worstFrames({ miou: 1, same: 1, labels: [], frames, boxes: null });
   expect(found.map(({ frame }) => frame)).toEqual([1, 0]);
 });

@@ -1,89 +1,8 @@
 /** Values of the review: the server's answers by its names, their order, and their texts. */
+import type { Agreement, Finding, ReviewOverview, ReviewPatch, Standing } from '../protocol/values';
 
-export type ReviewState = 'open' | 'review' | 'accepted' | 'rejected';
+export type ReviewState = Standing['state'];
 export type Place = readonly [number, number, number];
-
-/** State of frames `first` to `last`, or (null) of a label as a whole; label null: the frames. */
-export interface Standing {
-  readonly first: number | null;
-  readonly last: number | null;
-  readonly label: number | null;
-  readonly state: ReviewState;
-  readonly note: string;
-  readonly place: Place | null;
-  readonly assignee: string;
-  readonly by: string;
-  /** ISO 8601. */
-  readonly at: string | null;
-  /** Labels changed after the state was given. */
-  readonly changed: boolean;
-}
-
-export interface Overview {
-  readonly counts: Readonly<Record<ReviewState, number>>;
-  readonly frames: readonly Standing[];
-  readonly labels: readonly Standing[];
-}
-
-/** A suspicious thing. */
-export interface Finding {
-  readonly id: string;
-  readonly kind:
-    | 'name'
-    | 'category'
-    | 'few'
-    | 'stray'
-    | 'jump'
-    | 'unlike'
-    | 'predicted'
-    | 'returned'
-    | 'box_jump'
-    | 'box_size'
-    | 'box_overlap'
-    | 'box_ground'
-    | 'box_empty'
-    | 'box_outside'
-    | 'box_heading';
-  readonly text: string;
-  readonly labels: readonly number[];
-  readonly first: number | null;
-  readonly last: number | null;
-  readonly place: Place | null;
-  readonly settled: boolean;
-}
-
-export interface Checks {
-  readonly findings: readonly Finding[];
-  /** Checks that were left out, in sentences. */
-  readonly unchecked: readonly string[];
-}
-
-/** Values that may be set of frames, or of a label. */
-export interface ReviewPatch {
-  readonly first?: number;
-  readonly last?: number;
-  readonly label?: number;
-  readonly state?: ReviewState;
-  readonly note?: string;
-  readonly place?: Place;
-  readonly assignee?: string;
-}
-
-export interface Agreement {
-  readonly miou: number | null;
-  readonly same: number | null;
-  readonly labels: readonly {
-    readonly name: string;
-    readonly iou: number;
-    readonly first: number;
-    readonly second: number;
-  }[];
-  readonly frames: readonly {
-    readonly frame: number;
-    readonly labelled: number;
-    readonly differ: number;
-  }[];
-}
 
 /** Order of findings, and texts of the review, without requests. */
 export const STATES: readonly ReviewState[] = ['open', 'review', 'accepted', 'rejected'];
@@ -126,14 +45,14 @@ export function framesOf({ first, last }: Pick<Standing, 'first' | 'last'>): str
 }
 
 /** Return the state of a frame itself. */
-export function standingOf(overview: Overview | null, frame: number): Standing | null {
+export function standingOf(overview: ReviewOverview | null, frame: number): Standing | null {
   const covers = ({ first, last, label }: Standing): boolean =>
     label === null && first !== null && last !== null && first <= frame && frame <= last;
   return overview?.frames.find(covers) ?? null;
 }
 
 /** Return the frames and labels with a note, including labels in frames. */
-export function notesOf(overview: Overview | null): readonly Standing[] {
+export function notesOf(overview: ReviewOverview | null): readonly Standing[] {
   return [...(overview?.frames ?? []), ...(overview?.labels ?? [])].filter(({ note }) => note);
 }
 

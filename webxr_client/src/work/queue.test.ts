@@ -1,23 +1,24 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { type Project, projects } from '../engine/recordings/projects';
+import { projects } from '../engine/recordings/projects';
 import type { SequenceInfo } from '../protocol/messages';
+import type { PastEdit, ProjectInfo, Task } from '../protocol/values';
 import { bindActions } from '../store/actions';
-import { state, type HistoryEntry, type Me, type SequenceSummary } from '../store/state';
+import { state, type Me, type SequenceSummary } from '../store/state';
 import { follow } from '../store/watch';
 import { arrive, looking, marked } from './places';
-import { accept, begin, giveBack, mine, nextTask, question, type Task, tasks } from './queue';
+import { accept, begin, giveBack, mine, nextTask, question, tasks } from './queue';
 
 const task = (number: number, more: Partial<Task> = {}): Task => ({
   number, sequence: 'room', first: 0, last: 4, state: 'taken', assignee: 'ada', reviewer: '',
-  note: '', frame: null, place: null, ...more,
+  note: '', frame: null, place: null, created: '', changed: '', ...more,
 }); // prettier-ignore
-const edit = (more: Partial<HistoryEntry> = {}): Partial<HistoryEntry> => ({
+const edit = (more: Partial<PastEdit> = {}): Partial<PastEdit> => ({
   author: 'ada', kind: 'paint', time: '2026-01-02T11:00:00Z', frames: [3], undone: false, ...more,
 }); // prettier-ignore
 const night = { id: 'night', name: 'Night', role: 'annotator', recordings: ['room'] };
 let calls: [string, unknown][] = [];
 let next: Task | null = null;
-let edits: Partial<HistoryEntry>[] = [];
+let edits: Partial<PastEdit>[] = [];
 let events: { state: string; at: string }[] = [];
 const seek = vi.fn();
 const openSequence = vi.fn();
@@ -48,7 +49,7 @@ beforeEach(() => {
     time: { seek },
     recordings: { refreshSequences: () => Promise.resolve(), openSequence },
   });
-  projects.value = [night as unknown as Project];
+  projects.value = [night as unknown as ProjectInfo];
   state.me.value = { author: 'ada', account: 'owner:1' } as Me;
   state.sequences.value = [
     { id: 'room', name: 'Room', project: 'night' } as SequenceSummary,

@@ -1,43 +1,14 @@
 /** Tasks of the open recording's project, and the requests that change them; no panel is needed. */
 import { computed, signal } from '@preact/signals';
-import { projectPath, refreshProjects, type TaskState } from '../engine/recordings/projects';
+import { projectPath, refreshProjects } from '../engine/recordings/projects';
 import { attempt, rowOf, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
+import type { NewTasks, PastEdit, Task, TaskEvent, TaskPatch } from '../protocol/values';
 import { actions } from '../store/actions';
-import { type HistoryEntry, notify, state } from '../store/state';
+import { notify, state } from '../store/state';
 import { framesOf, type Place } from './model';
 import { goTo, looking } from './places';
 import { project } from './store';
-
-/** Frames `first` to `last` of a recording, both included. */
-export interface Task {
-  readonly number: number;
-  readonly sequence: string;
-  readonly first: number;
-  readonly last: number;
-  readonly state: TaskState;
-  /** Names of accounts, or "". */
-  readonly assignee: string;
-  readonly reviewer: string;
-  readonly note: string;
-  /** Frame and point that the note is pinned to. */
-  readonly frame: number | null;
-  readonly place: Place | null;
-}
-
-/** Values of a task to set. */
-interface TaskPatch {
-  readonly state?: TaskState;
-  readonly note?: string;
-  readonly frame?: number;
-  readonly place?: Place;
-}
-
-/** A state that a task was given, and when (ISO 8601). */
-interface TaskEvent {
-  readonly state: TaskState;
-  readonly at: string;
-}
 
 export const tasks = signal<readonly Task[]>([]);
 /** Number of the opened task. */
@@ -110,7 +81,7 @@ export async function begin(of: string, work: 'label' | 'review' = 'label'): Pro
 async function isUnchanged(task: Task): Promise<boolean> {
   if (state.pending.peek() > 0) return false;
   const [edits, events] = await Promise.all([
-    api<HistoryEntry[]>('GET', `${sequencePath(task.sequence)}/edits?limit=1000`),
+    api<PastEdit[]>('GET', `${sequencePath(task.sequence)}/edits?limit=1000`),
     api<TaskEvent[]>('GET', `${taskPath(task)}/history`),
   ]);
   const got = events.find((event) => event.state === 'open' || event.state === 'returned');
@@ -182,17 +153,6 @@ export function giveBack(task: Task, note: string, pinned: Place | null): Promis
   const within = here && task.first <= frame && frame <= task.last;
   const pin = place && within ? { frame, place } : {};
   return change(task, { state: 'returned', note, ...pin });
-}
-
-export interface NewTasks {
-  readonly recordings: readonly string[] | null;
-  /** "I:J", J not included; without it all frames. */
-  readonly frames?: string | null;
-  readonly every: number | null;
-  readonly assignee?: string;
-  readonly people?: number;
-  /** The existing labels are correct, and hidden from the annotator. */
-  readonly truth?: boolean;
 }
 
 /** Make tasks of a project; returns true if the server did. */

@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { labelActions } from '../engine/labels/labels';
 import type { Label, SequenceInfo } from '../protocol/messages';
+import type { Finding } from '../protocol/values';
 import { bindActions } from '../store/actions';
 import { state } from '../store/state';
-import type { Finding } from './model';
 import { checks, current, deny, goToFinding } from './review';
 
 const finding = (...labels: number[]) => ({ id: labels.join(), labels, first: null }) as unknown as Finding; // prettier-ignore

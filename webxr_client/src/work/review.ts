@@ -3,15 +3,12 @@ import { computed, signal } from '@preact/signals';
 import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { namesOf } from '../engine/review';
 import { api } from '../net/rest';
+import type { Checked, Finding, ReviewOverview, ReviewPatch } from '../protocol/values';
 import { actions } from '../store/actions';
 import { canReview, notify, state } from '../store/state';
 import {
   acceptances,
-  type Checks,
-  type Finding,
-  type Overview,
   type Place,
-  type ReviewPatch,
   type ReviewState,
   STATE_WORDS,
   stepFrom,
@@ -21,8 +18,8 @@ import { marked, pointing, visit } from './places';
 import { openWork, shows } from './store';
 
 /** null until the server has answered. */
-export const overview = signal<Overview | null>(null);
-export const checks = signal<Checks | null>(null);
+export const overview = signal<ReviewOverview | null>(null);
+export const checks = signal<Checked | null>(null);
 export const checking = signal(false);
 /** Id of the finding on screen. */
 export const current = signal<string | null>(null);
@@ -40,13 +37,13 @@ async function fetched<T>(rest: string): Promise<T | null> {
 }
 
 export async function loadStates(): Promise<void> {
-  overview.value = (await fetched<Overview>('review')) ?? overview.peek();
+  overview.value = (await fetched<ReviewOverview>('review')) ?? overview.peek();
 }
 
 async function check(): Promise<void> {
   checking.value = true;
   try {
-    checks.value = (await fetched<Checks>('checks')) ?? checks.peek();
+    checks.value = (await fetched<Checked>('checks')) ?? checks.peek();
   } finally {
     checking.value = false;
   }
@@ -67,7 +64,8 @@ export function forgetReview(): void {
 /** Set state, note or person of frames, or of a label; returns true if the server took it. */
 export const put = (...patches: readonly ReviewPatch[]): Promise<boolean> =>
   succeeds('The state was not changed', async () => {
-    for (const patch of patches) overview.value = await api<Overview>('PUT', path('review'), patch);
+    for (const patch of patches)
+      overview.value = await api<ReviewOverview>('PUT', path('review'), patch);
   });
 
 interface Draft {

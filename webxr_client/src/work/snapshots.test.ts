@@ -1,8 +1,9 @@
 import { afterEach, expect, test, vi } from 'vitest';
-import { type Project, projects } from '../engine/recordings/projects';
+import { projects } from '../engine/recordings/projects';
 import type { SequenceInfo } from '../protocol/messages';
+import type { ProjectInfo, Snapshot } from '../protocol/values';
 import { state, type SequenceSummary } from '../store/state';
-import { compare, createSnapshot, difference, type Snapshot, snapshots } from './snapshots';
+import { compare, createSnapshot, difference, snapshots } from './snapshots';
 
 const made: Snapshot = { id: 'v1', name: 'First', created: '', author: 'ada', recordings: {} };
 const answers: ((value: unknown) => void)[] = [];
@@ -15,7 +16,7 @@ vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
     answers.push((value) => resolve(Response.json(value)));
   });
 });
-projects.value = [{ id: 'night', name: 'Night' } as Project];
+projects.value = [{ id: 'night', name: 'Night' } as ProjectInfo];
 state.sequences.value = [{ id: 'room', project: 'night' } as SequenceSummary];
 state.sequence.value = { id: 'room' } as SequenceInfo;
 afterEach(() => void (answers.length = calls.length = 0));

@@ -3,33 +3,8 @@ import { signal } from '@preact/signals';
 import { projectPath } from '../engine/recordings/projects';
 import { attempt, succeeds } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
+import type { Difference, Snapshot } from '../protocol/values';
 import { project } from './store';
-
-export interface Snapshot {
-  readonly id: string;
-  readonly name: string;
-  /** ISO 8601. */
-  readonly created: string;
-  readonly author: string;
-  /** Revision of each recording. */
-  readonly recordings: Readonly<Record<string, number>>;
-}
-
-/** Points that got a label, lost theirs, or have another; labels with points in one alone. */
-export interface FrameDifference {
-  readonly frame: number;
-  readonly came: number;
-  readonly went: number;
-  readonly changed: number;
-  readonly objects_came: readonly number[];
-  readonly objects_went: readonly number[];
-}
-
-export interface Difference {
-  readonly sequence: string;
-  readonly labels: readonly { readonly label: number; readonly name: string; readonly kind: string }[]; // prettier-ignore
-  readonly frames: readonly FrameDifference[];
-}
 
 export const KIND_WORDS: Readonly<Record<string, string>> = {
   came: 'new',

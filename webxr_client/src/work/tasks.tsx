@@ -1,4 +1,5 @@
 /** The queue: the own task, the one to review, and the tasks of each person. */
+import type { Task } from '../protocol/values';
 import { signal } from '@preact/signals';
 import { may, TASK_STATES, TASK_WORDS, type TaskState } from '../engine/recordings/projects';
 import { Button } from '../panels/parts/controls';
@@ -7,7 +8,6 @@ import { MakeTasks } from './make-tasks';
 import type { Place } from './model';
 import { Entry, NoteField } from './parts';
 import * as queue from './queue';
-import type { Task } from './queue';
 import { project } from './store';
 
 /** With more people, their lists begin closed. */

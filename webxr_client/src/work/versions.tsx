@@ -1,4 +1,5 @@
 /** Snapshots of a project's labels: named, compared by label and frame, exported. */
+import type { Difference, Snapshot } from '../protocol/values';
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { day, plural, shortCount } from '../common/format';
@@ -11,7 +12,6 @@ import { Choice, Field, Table } from '../panels/parts/fields';
 import { Entry } from './parts';
 import { goTo } from './places';
 import * as versions from './snapshots';
-import type { Difference, Snapshot } from './snapshots';
 import { project } from './store';
 
 const name = signal('');

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import AXES, DELIMITERS, POSES
 from pointbrush.settings.definitions import choice
+from pointbrush.values.imports import LARGEST_SCALE, MOST_COLUMNS
 
 if TYPE_CHECKING:
     from pointbrush.frame import PointFrame
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 MEANINGS = ("x", "y", "z", "red", "green", "blue", "rgb", "intensity", "label", "instance")
 """Roles of a column; any other name keeps it as a field of its own."""
 LEFT_OUT = "-"
-MOST_COLUMNS = 1024
-LARGEST_SCALE = 1e6
 
 
 @dataclass(frozen=True, slots=True)

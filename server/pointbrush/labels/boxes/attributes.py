@@ -4,59 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
 from pointbrush.database.schema import box_attributes
 from pointbrush.errors import BadInputError
-from pointbrush.labels.boxes.maps import MOST_ATTRIBUTES, NAME_LIMIT, check_attributes
-
-AttributeKind = Literal["text", "choice", "number", "yes/no"]
-Scope = Literal["track", "frame"]
-MOST_CHOICES = 60
-
-
-@dataclass(frozen=True, slots=True)
-class BoxAttribute:
-    """An attribute of boxes: with ``scope`` "track" it has one value, with "frame" one per frame.
-
-    ``choices`` are the values of the kind "choice".
-    """
-
-    name: str
-    kind: AttributeKind
-    scope: Scope = "track"
-    choices: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        """Check the definition.  Raises BadInputError."""
-        about = f"attribute {self.name[:NAME_LIMIT]}"
-        check_attributes(dict.fromkeys((self.name, *self.choices), True))
-        if self.name in BUILT_IN:
-            raise BadInputError(f"{about}: expected another name, this attribute is built in")
-        for value, known in ((self.kind, AttributeKind), (self.scope, Scope)):
-            if value not in get_args(known):
-                raise BadInputError(f"{about}: expected {', '.join(get_args(known))}, got {value}")
-        count = len(set(self.choices))
-        if count < len(self.choices) or (count > 0) != (self.kind == "choice"):
-            raise BadInputError(
-                f"{about}: expected different choices, and only for the kind choice"
-            )
-
-    def check(self, value: Any) -> None:
-        """Raise BadInputError unless a value is of this kind."""
-        kinds: dict[str, bool] = {
-            "text": isinstance(value, str),
-            "choice": value in self.choices,
-            "number": isinstance(value, int | float) and not isinstance(value, bool),
-            "yes/no": isinstance(value, bool),
-        }
-        if not kinds[self.kind]:
-            expected = f"one of {', '.join(self.choices)}" if self.choices else self.kind
-            raise BadInputError(f"attribute {self.name}: expected {expected}, got {value!r}")
-
+from pointbrush.labels.boxes.maps import check_attributes
+from pointbrush.values.taxonomy import MOST_ATTRIBUTES, NAME_LIMIT, BoxAttribute, Scope
 
 BUILT_IN = {
     "occluded": "expected 0 (visible), 1 (partly occluded), 2 (largely occluded) or 3 (unknown)",
@@ -64,6 +19,32 @@ BUILT_IN = {
     "parked": "expected true or false",
 }
 """Built-in attributes of boxes, for the track or a frame; the first two are from KITTI."""
+
+
+def check_definition(attribute: BoxAttribute) -> None:
+    """Raise BadInputError unless a definition fits its kind and no attribute is built in."""
+    about = f"attribute {attribute.name[:NAME_LIMIT]}"
+    choices = attribute.choices
+    check_attributes(dict.fromkeys((attribute.name, *choices), True))
+    if attribute.name in BUILT_IN:
+        raise BadInputError(f"{about}: expected another name, this attribute is built in")
+    count = len(set(choices))
+    if count < len(choices) or (count > 0) != (attribute.kind == "choice"):
+        raise BadInputError(f"{about}: expected different choices, and only for the kind choice")
+
+
+def _check_value(attribute: BoxAttribute, value: Any) -> None:
+    """Raise BadInputError unless a value is of the attribute's kind."""
+    choices = attribute.choices
+    kinds: dict[str, bool] = {
+        "text": isinstance(value, str),
+        "choice": value in choices,
+        "number": isinstance(value, int | float) and not isinstance(value, bool),
+        "yes/no": isinstance(value, bool),
+    }
+    if not kinds[attribute.kind]:
+        expected = f"one of {', '.join(choices)}" if choices else attribute.kind
+        raise BadInputError(f"attribute {attribute.name}: expected {expected}, got {value!r}")
 
 
 def _check_built_in(name: str, value: Any) -> None:
@@ -96,7 +77,7 @@ def check_given(known: Sequence[BoxAttribute], given: Mapping[str, Any], scope: 
             raise BadInputError(
                 f"attribute {name}: expected it for the {defined[name].scope}, got the {scope}'s"
             )
-        defined[name].check(value)
+        _check_value(defined[name], value)
 
 
 # ── in the database ──────────────────────────────────────────────────────────────────────────
@@ -114,6 +95,8 @@ def write_attributes(connection: Connection, wanted: Sequence[BoxAttribute]) -> 
     """Replace the definitions.  Raises BadInputError for too many, or a repeated name."""
     if len({each.name for each in wanted}) < len(wanted) or len(wanted) > MOST_ATTRIBUTES:
         raise BadInputError(f"attributes: expected at most {MOST_ATTRIBUTES}, each name once")
+    for each in wanted:
+        check_definition(each)
     connection.execute(delete(box_attributes))
     rows = [
         {

@@ -202,7 +202,7 @@ class Boxes:
         for number, fields in folded.items():
             if fields is not None:
                 return Made(box_of(number, fields), commit)
-        raise ConflictError(f"edit: expected a new id, {commit.edit_id} is another edit's")
+        raise ConflictError(f"edit: expected a new id, {commit.edit} is another edit's")
 
 
 def _require(draft: Draft, box: int) -> OrientedBox:

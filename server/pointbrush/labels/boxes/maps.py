@@ -10,20 +10,16 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.geometry.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.names import require_visible
+from pointbrush.values import boxes as values
+from pointbrush.values.boxes import Box
+from pointbrush.values.kinds import FARTHEST, LONGEST_SIDE
+from pointbrush.values.taxonomy import MOST_ATTRIBUTES, NAME_LIMIT, TEXT_LIMIT
 
 Fields = dict[str, Any]
 """``label``, ``size``, ``poses`` by frame, ``attributes``, ``provenance`` and ``heading_known`` of
 a box, as in JSON.  A change of it has some of these, None for a removed value, and ``exists`` if it
 creates or removes the box."""
 
-LONGEST_SIDE = 1_000.0
-"""Metres."""
-FARTHEST = 1e12
-"""The largest coordinate of a centre, metres."""
-MOST_ATTRIBUTES = 64
-"""Limit for a box, or for one of its poses."""
-NAME_LIMIT, TEXT_LIMIT = 64, 200
-"""Longest name and longest text value of an attribute, characters."""
 _MAPS = ("poses", "attributes")
 _POSE_FIELDS = ("centre", "quaternion", "provenance", "confidence", "attributes")
 
@@ -177,3 +173,18 @@ def _pose_changed(old: Mapping[str, Any], news: Mapping[str, Any]) -> Fields:
     made = {**old, **({"provenance": "drawn", "confidence": 1.0} if moved else {}), **news}
     made["attributes"] = _merged(old.get("attributes", {}), news.get("attributes") or {})
     return {name: made[name] for name in _POSE_FIELDS if made.get(name) is not None}
+
+
+def box_value(box: OrientedBox) -> Box:
+    """Return a box as REST and the socket have it."""
+    poses = {
+        str(frame): values.BoxPose(
+            tuple(pose.centre.tolist()), tuple(pose.quaternion.tolist()), pose.provenance,
+            pose.confidence, dict(pose.attributes),
+        )
+        for frame, pose in sorted(box.poses.items())
+    }  # fmt: skip
+    return Box(
+        box.id, box.label, tuple(box.size.tolist()), poses, dict(box.attributes), box.provenance,
+        box.heading_known,
+    )  # fmt: skip

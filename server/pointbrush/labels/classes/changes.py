@@ -15,28 +15,19 @@ from pointbrush.database.class_names import DELETED, KEY_SUFFIX, read_names
 from pointbrush.database.schema import categories, dataset_numbers, labels, sequences
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.formats.tables.numbering import Numbering, official_numbers, plain
+from pointbrush.values import taxonomy as values
 
 GREATEST = 65535
 """Greatest number of a category: SemanticKITTI keeps it in 16 bits."""
 
-Size = tuple[float, float, float]
-
 
 @dataclass(frozen=True, slots=True)
-class Category:
-    """A class: ``number`` 1..65535, ``name``, ``color`` ``#rrggbb`` or "".
+class Category(values.Category):
+    """A class as the database has it; ``stated``: datasets with a number that a person set.
 
-    ``datasets`` are its numbers in known datasets, ``stated`` the datasets with a number that a
-    person set.  ``size`` is length, width and height of its objects, ``spread`` the standard
-    deviation, metres; None: unknown.  The other fields are as in the schema.
+    The other fields are as in the schema.
     """
 
-    number: int
-    name: str
-    color: str = ""
-    datasets: Mapping[str, int] = field(default_factory=dict)
-    size: Size | None = None
-    spread: Size | None = None
     key: str = field(default="", compare=False)
     merged: int | None = field(default=None, compare=False)
     renamed: int = field(default=0, compare=False)
@@ -149,7 +140,7 @@ class Classes:
 
     # ── names ────────────────────────────────────────────────────────────────────────────
 
-    def put(self, wanted: Category) -> None:
+    def put(self, wanted: values.Category) -> None:
         """Add a category or change the one with its number; raises ConflictError."""
         known = self._rows.get(wanted.number)
         if known is None:
@@ -191,7 +182,7 @@ class Classes:
                 self.change(replace(each, merged=number))
         self.change(replace(other, merged=number, name=f"\n{other.number}"))
 
-    def _make_way(self, wanted: Category) -> None:
+    def _make_way(self, wanted: values.Category) -> None:
         """Merge the deleted class with the new name of a class into this class.
 
         Raises ConflictError if labels use a category of this name that has no number yet.
@@ -275,7 +266,7 @@ def _read(connection: Connection) -> Iterator[Category]:
         )
 
 
-def _size(stored: str | None) -> Size | None:
+def _size(stored: str | None) -> tuple[float, float, float] | None:
     if stored is None:
         return None
     length, width, height = json.loads(stored)

@@ -16,12 +16,13 @@ from pointbrush.database.statements import driver_of
 from pointbrush.errors import BadInputError, ConflictError, ReadOnlyError, UnavailableError
 from pointbrush.formats.tables.datasets import DATASETS
 from pointbrush.formats.tables.numbering import Numbering, official_numbers, plain
-from pointbrush.labels.boxes.attributes import BoxAttribute, read_attributes, write_attributes
-from pointbrush.labels.boxes.maps import LONGEST_SIDE
+from pointbrush.labels.boxes.attributes import read_attributes, write_attributes
 from pointbrush.labels.classes.changes import GREATEST, Category, Classes, held
 from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.types import Label
 from pointbrush.names import composed, require_visible
+from pointbrush.values import taxonomy as values
+from pointbrush.values.kinds import LONGEST_SIDE
 
 LONGEST = 256
 """Longest name, characters."""
@@ -57,7 +58,11 @@ class Taxonomy:
         self.numbers(names)
         return self.entries()
 
-    def attributes(self) -> list[BoxAttribute]:
+    def value(self) -> values.Taxonomy:
+        """Return the classes and the attributes of boxes."""
+        return values.Taxonomy(tuple(self.listed()), tuple(self.attributes()))
+
+    def attributes(self) -> list[values.BoxAttribute]:
         """Return the attributes that boxes may have besides the built-in ones."""
         with self._database.read() as connection:
             return read_attributes(connection)
@@ -133,7 +138,9 @@ class Taxonomy:
                     raise held(dataset, number, classes.holder(dataset, number), name)
 
     def put(
-        self, wanted: Sequence[Category], attributes: Sequence[BoxAttribute] | None = None
+        self,
+        wanted: Sequence[values.Category],
+        attributes: Sequence[values.BoxAttribute] | None = None,
     ) -> list[Category]:
         """Add categories, and set the names and colours of categories with known numbers.
 
@@ -221,7 +228,7 @@ class Taxonomy:
                 self._open_recordings.catch_up()
 
 
-def _check(wanted: Sequence[Category]) -> None:
+def _check(wanted: Sequence[values.Category]) -> None:
     numbers, names = [each.number for each in wanted], [each.name for each in wanted]
     for each in wanted:
         if not 1 <= each.number <= GREATEST:

@@ -9,9 +9,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from pointbrush.accounts.roles import Role as Role
-from pointbrush.geometry.oriented_box import BoxProvenance
-from pointbrush.labels.boxes.maps import NAME_LIMIT, TEXT_LIMIT
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
 from pointbrush.selection.shape import (
@@ -26,27 +23,27 @@ from pointbrush.selection.shape import (
     Vertices,
     Whole,
 )
+from pointbrush.values.boxes import Box as Box
+from pointbrush.values.boxes import BoxPose as BoxPose
+from pointbrush.values.kinds import Color as Color
+from pointbrush.values.kinds import Count as Count
+from pointbrush.values.kinds import Finite as Finite
+from pointbrush.values.kinds import FrameIndex as FrameIndex
+from pointbrush.values.kinds import LabelId as LabelId
+from pointbrush.values.kinds import Role as Role
+from pointbrush.values.kinds import Share as Share
+from pointbrush.values.kinds import Uuid as Uuid
 
 Id = Annotated[str, Field(min_length=1, max_length=64)]
-Uuid = Annotated[
-    str, Field(pattern=r"^[0-9a-fA-F]{8}(-[0-9a-fA-F]{4}){3}-[0-9a-fA-F]{12}$", max_length=36)
-]
-FrameIndex = Annotated[int, Field(ge=0, lt=2**31)]
-Count = Annotated[int, Field(ge=0, lt=2**53)]
 Pair = Annotated[list[Count], Field(min_length=2, max_length=2)]
-FARTHEST = 1e12
-"""The largest number of a position, in metres; squares of squares of it are still numbers."""
-Finite = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False)]
 Vec3 = Annotated[list[Finite], Field(min_length=3, max_length=3)]
 Quaternion = Annotated[list[Finite], Field(min_length=4, max_length=4)]
 Pose = Annotated[list[Finite], Field(min_length=7, max_length=7)]
 """Position x, y, z then quaternion x, y, z, w."""
 Matrix4 = Annotated[list[Finite], Field(min_length=16, max_length=16)]
 """Row-major 4x4."""
-LabelId = Annotated[int, Field(ge=0, le=65534)]
 RUN_BYTES = 2**20
 """Most bytes of the runs of points of a frame."""
-Color = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 Tool = Literal["paint", "erase", "delete", "restore"]
 JobState = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -55,15 +52,20 @@ JobState = Literal["queued", "running", "done", "failed", "cancelled"]
 class Message(BaseModel):
     """Base class: refuses unknown fields and does not convert types."""
 
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", strict=True, frozen=True, use_attribute_docstrings=True
+    )
 
 
 class Sample(Message):
     """One sample of the controller or mouse: a ray, and the time since the stroke began."""
 
     origin: Vec3
+    """Position of the device or the eye, source coordinates, metres."""
     direction: Vec3 = [0.0, 0.0, -1.0]
+    """Direction of the ray, of any length."""
     t: Finite = 0.0
+    """Milliseconds since the stroke began."""
 
 
 class TouchedPoints(Message):
@@ -84,37 +86,7 @@ class Label(Message):
     visible: bool
 
 
-Share = Annotated[float, Field(ge=0, le=1)]
-AttributeName = Annotated[str, Field(min_length=1, max_length=NAME_LIMIT)]
-AttributeValue = Annotated[str, Field(max_length=TEXT_LIMIT)] | Finite | bool
 BoxId = Annotated[int, Field(ge=1, lt=2**31)]
-
-
-class BoxPose(Message):
-    """Pose of a box in one frame; its attributes take precedence over the box's attributes."""
-
-    centre: Vec3
-    """Source coordinates, metres."""
-    quaternion: Quaternion
-    """x, y, z, w: from the box's axes (x forward, y left, z up) to the axes of the frame."""
-    provenance: BoxProvenance
-    confidence: Share
-    attributes: dict[AttributeName, AttributeValue]
-
-
-class Box(Message):
-    """An oriented box of a label: one size, and a pose in each of its frames."""
-
-    id: BoxId
-    label: LabelId
-    size: Vec3
-    """Length, width and height along the box's x, y and z, metres."""
-    poses: dict[str, BoxPose]
-    """By frame."""
-    attributes: dict[AttributeName, AttributeValue]
-    provenance: BoxProvenance
-    heading_known: bool
-    """False: the front of the object may also be at the opposite end of the box."""
 
 
 class Lattice(Message):
@@ -254,11 +226,15 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
     """Action of a stroke on its samples."""
 
     label: LabelId = 0
+    """Id of the label to paint; 0 for the other tools."""
     tool: Literal[TOOLS] = "paint"  # type: ignore[valid-type]
+    """`paint`: give the label; `erase`: remove labels; `delete`: delete points as noise;
+    `restore`: bring deleted points back."""
     shape: Literal[tuple(SHAPES)] = Field(  # type: ignore[valid-type]
         "sphere", description=" ".join(f"`{s.name}`: {s.about}" for s in SHAPES.values())
     )
     only_unlabeled: bool = False
+    """Paint only points without a label."""
     hidden: Annotated[list[LabelId], Field(max_length=65535)] = Field(
         [],
         description="labels that only this viewer hides, beside the hidden labels of the "

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from pointbrush.labels import Cell, Commit, Label, LabelStore
+from pointbrush.labels.boxes.maps import box_value
 from pointbrush.streaming import messages
-from pointbrush.streaming.encoding import box_message, encode, encode_beginning, encode_end
+from pointbrush.streaming.encoding import encode, encode_beginning, encode_end
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
 Place = tuple[int, int]
@@ -154,7 +155,7 @@ class Board:
                 sequence=self._sequence,
                 revision=found.revision,
                 whole=boxes is None,
-                boxes=[box_message(box) for box in found.boxes],
+                boxes=[box_value(box) for box in found.boxes],
                 removed=sorted((boxes or frozenset()) - there),
             )
             return found.revision, encode(message)

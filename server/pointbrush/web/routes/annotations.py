@@ -9,26 +9,26 @@ from typing import Annotated, Any
 
 from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field
 from starlette.datastructures import FormData, UploadFile
 from starlette.exceptions import HTTPException
 
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.formats.tables.names import LABEL_FORMATS
-from pointbrush.jobs.job import Job
 from pointbrush.settings.definitions import chosen
 from pointbrush.streaming.messages import Uuid
+from pointbrush.values.base import Patterns
+from pointbrush.values.edits import Edit
+from pointbrush.values.imports import LabelImportOptions, LabelImportRequest
+from pointbrush.values.jobs import Job
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.frames import BINARY, Written
-from pointbrush.web.schemas import Body, EditOut
-from pointbrush.web.schemas_work import JobId, JobOut
 from pointbrush.web.upload_files import described, parse_form, parse_json, save
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.work.imports.options import BOTH, BOX_CHOICES, LabelOptions
+from pointbrush.work.imports.options import BOX_CHOICES, LabelOptions
 from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
@@ -38,27 +38,11 @@ MAX_FIELD = 1 << 20
 DryRun = Annotated[bool, Query(description="report the labels without writing anything")]
 
 
-class LabelImportOptions(Body):
-    """Choices on how label files are read; ``map`` as ``--map`` of the command."""
-
-    format: Annotated[str, Field(pattern=one_of(list(LABEL_FORMATS)))] | None = None
-    map: Annotated[str, Field(max_length=MAX_FIELD)] | None = None
-    no_ground: bool = False
-    by_order: bool = False
-    allow_empty: bool = False
-    field: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    boxes: Annotated[str, Field(pattern=one_of(BOX_CHOICES))] = BOTH
-    id: JobId | None = None
-
-
-class LabelImportBody(LabelImportOptions):
-    """Label files that the server can already read."""
-
-    path: Annotated[str, Field(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
-
-
+PATTERNS = Patterns(format=one_of(LABEL_FORMATS), boxes=one_of(BOX_CHOICES))
+JSON_BODY: Any = Annotated[LabelImportRequest, PATTERNS]
+FORM_BODY: Any = Annotated[LabelImportOptions, PATTERNS]
 IMPORT_BODY = described(
-    LabelImportBody,
+    JSON_BODY,
     {
         "format": {"type": "string", "enum": list(LABEL_FORMATS)},
         "no_ground": {"type": "string", "enum": ["true", "false"]},
@@ -85,7 +69,7 @@ async def import_labels(
     who: Caller,
     *,
     dry_run: DryRun = False,
-) -> JobOut:
+) -> Job:
     """Import labels of other tools as one edit; the result of the job counts labels and points."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == "multipart/form-data":
@@ -93,7 +77,7 @@ async def import_labels(
     elif kind not in ("", "application/json"):
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
-        body = parse_json(LabelImportBody, await request.body())
+        body = parse_json(JSON_BODY, await request.body())
         gate: Gate = request.app.state.gate
         roots = workspace.import_roots(own=gate.is_own(request, who))
         (place,) = await run_in_threadpool(allowed, body.path, roots)
@@ -101,7 +85,7 @@ async def import_labels(
         begin = partial(workspace.imports.begin_labels, seq, place, who.author, **more)
         job = await run_in_threadpool(begin)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
-    return JobOut.of(job)
+    return job
 
 
 async def arrays_body(request: Request) -> bytearray:
@@ -122,13 +106,11 @@ def put_annotations(
     who: Caller,
     layer: Written = "label",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
-) -> EditOut:
+) -> Edit:
     """Replace a layer in several frames, as one edit: ``.npz`` with an array ``I`` of frame I."""
     counts = workspace.recording(seq).manifest.points
     arrays = npy.parse_by_frame(body, require_layer(layer), counts)
-    return EditOut.of(
-        workspace.annotations.put_many(seq, arrays, author=who.author, layer=layer, edit=id)
-    )
+    return workspace.annotations.put_many(seq, arrays, author=who.author, layer=layer, edit=id)
 
 
 def _more(options: LabelImportOptions) -> dict[str, Any]:
@@ -146,7 +128,7 @@ async def _uploaded(
         async with request.form(
             max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
         ) as form:
-            more = _more(parse_form(LabelImportOptions, form))
+            more = _more(parse_form(FORM_BODY, form))
             await run_in_threadpool(_save, form, folder)
         more |= {"dry_run": dry_run, "upload": folder}
         begin = partial(workspace.imports.begin_labels, seq, folder, author, **more)

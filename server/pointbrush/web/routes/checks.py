@@ -8,18 +8,17 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from fastapi import Query, Response
-from pydantic import Field
 
-from pointbrush.streaming.messages import Vec3
+from pointbrush.values.review import Agreement, BoxAgreement, Checked, Finding, LabelAgreement
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Out
+from pointbrush.work import reviewing
 from pointbrush.work.reviewing import (
     POLICY,
     By,
-    Kind,
     Table,
+    comparing,
     to_csv,
     to_html,
 )
@@ -35,29 +34,8 @@ Other = Annotated[
         description="the other recording of the same points",
     ),
 ]
-Share = Annotated[float, Field(ge=0, le=1)]
-CompareBy = Annotated[By, Query(description="compare labels by")]
+CompareBy = Annotated[By, Query(description="match labels by their `name` or by their `category`")]
 TEXT = {"schema": {"type": "string"}}
-
-
-class FindingOut(Out):
-    """A finding; its ``id`` is the same in every check until the finding is gone."""
-
-    id: str
-    kind: Kind
-    text: str
-    labels: list[int]
-    first: int | None
-    last: int | None
-    place: Annotated[Vec3 | None, Field(description="in frame `first`, source coordinates")]
-    settled: Annotated[bool, Field(description="its frames or labels are accepted")]
-
-
-class ChecksOut(Out):
-    """Findings in order of importance, and the parts that could not be checked."""
-
-    findings: list[FindingOut]
-    unchecked: list[str]
 
 
 @router.get("/sequences/{seq}/checks", responses=responses(404))
@@ -65,66 +43,12 @@ def get_checks(
     seq: SequenceId,
     workspace: Ws,
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
-) -> ChecksOut:
+) -> Checked:
     """Find labels with few points or equal names, far from their object, that jump or differ.
 
     Also boxes that jump, overlap, change their size, float, or lie apart from their points.
     """
-    return ChecksOut.of(workspace.reviewing.checks(seq, frames))
-
-
-class LabelAgreementOut(Out):
-    """A label by name: its points in the first annotation, the second and both."""
-
-    name: str
-    iou: Share
-    first: int
-    second: int
-    both: int
-
-
-class FrameAgreementOut(Out):
-    """Number of labelled points of a frame in either annotation, and of differing points."""
-
-    frame: int
-    labelled: int
-    differ: int
-
-
-class BoxScoreOut(Out):
-    """Boxes of the second annotation compared with the first; boxes match from a 3D IoU on."""
-
-    iou: Share
-    ap: Share
-    precision: Share
-    recall: Share
-
-
-class ClassAgreementOut(Out):
-    """Boxes of a class, counted in each frame."""
-
-    name: str
-    first: int
-    second: int
-    mean_iou: Share | None
-    scores: list[BoxScoreOut]
-
-
-class BoxAgreementOut(Out):
-    """Agreement of boxes; ``hota`` is null without boxes or without the package trackeval."""
-
-    classes: list[ClassAgreementOut]
-    hota: Share | None
-
-
-class AgreementOut(Out):
-    """Null if neither annotation has labels; ``boxes`` only on request."""
-
-    miou: Share | None
-    same: Share | None
-    labels: list[LabelAgreementOut]
-    frames: list[FrameAgreementOut]
-    boxes: BoxAgreementOut | None = None
+    return _checked(workspace.reviewing.checks(seq, frames))
 
 
 @router.get("/sequences/{seq}/agreement", responses=responses(404))
@@ -138,17 +62,15 @@ def get_agreement(
     frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
     *,
     boxes: Annotated[bool, Query(description="also compare the boxes of classes")] = False,
-) -> AgreementOut:
+) -> Agreement:
     """Return the IoU of each label between two annotations, and the differing points per frame.
 
     With ``boxes`` also average precision, precision, recall by class, and HOTA.
     """
     gate.require_seen(who, other)
-    found = AgreementOut.of(workspace.reviewing.agreement(seq, other, by, frames))
-    if boxes:
-        compared = workspace.reviewing.box_agreement(seq, other, frames)
-        found.boxes = BoxAgreementOut.of(compared)
-    return found
+    found = workspace.reviewing.agreement(seq, other, by, frames)
+    compared = workspace.reviewing.box_agreement(seq, other, frames) if boxes else None
+    return agreement_of(found, compared)
 
 
 @router.get(
@@ -190,8 +112,12 @@ def get_difference(
 def get_report(
     seq: SequenceId,
     workspace: Ws,
-    format: Annotated[Literal["html", "csv"], Query()] = "html",
-    table: Annotated[Table, Query(description="of a CSV")] = "frames",
+    format: Annotated[
+        Literal["html", "csv"], Query(description="`html`: a page; `csv`: one table")
+    ] = "html",
+    table: Annotated[
+        Table, Query(description="rows of a CSV: `frames`, `labels` or `people`")
+    ] = "frames",
 ) -> Response:
     """Report progress, points per label, confidence, and time and strokes per frame and person."""
     report = workspace.reviewing.report(seq)
@@ -200,3 +126,13 @@ def get_report(
         return Response(to_html(report), media_type="text/html", headers=headers)
     headers = {"Content-Disposition": f'attachment; filename="{seq}-{table}.csv"'}
     return Response(to_csv(report, table), media_type="text/csv", headers=headers)
+
+
+def _checked(found: reviewing.Checked) -> Checked:
+    return Checked(tuple(map(Finding.of, found.findings)), tuple(found.unchecked))
+
+
+def agreement_of(found: comparing.Agreement, boxes: BoxAgreement | None = None) -> Agreement:
+    """Return the agreement of two annotations, with their boxes if these were compared."""
+    labels = tuple(map(LabelAgreement.of, found.labels))
+    return Agreement.of(found, labels=labels, frames=tuple(found.frames), boxes=boxes)

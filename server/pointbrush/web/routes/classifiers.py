@@ -10,157 +10,55 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from fastapi import Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from pydantic import Field, FiniteFloat
+from pydantic import FiniteFloat
 
-from pointbrush.classify.options import LARGEST_CELL, MOST_BYTES, MOST_CLASSES, NAME_LENGTH
+from pointbrush.classify.options import MOST_BYTES, NAME_LENGTH
 from pointbrush.ranges import ranges, runs_of
-from pointbrush.streaming.messages import FrameIndex, Uuid, Vec3
+from pointbrush.streaming.messages import FrameIndex
+from pointbrush.values.classifiers import (
+    Application,
+    Classifier,
+    ClassName,
+    DoubtAnswer,
+    HeldOut,
+    MoreExamples,
+    NewClassifier,
+    Place,
+    PredictionRequest,
+    Start,
+)
+from pointbrush.values.edits import Edit
+from pointbrush.values.jobs import Job
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body, EditOut, Out, PaintId
-from pointbrush.web.schemas_work import JobOut
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
-    from pointbrush.work.classifiers.asking import Place
     from pointbrush.work.classifiers.predicting import Prediction
+    from pointbrush.work.classifiers.service import About
 
 router = resource("classifiers")
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 MEDIA_TYPE = "application/octet-stream"
 ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="classifier id")]
-ClassifierId = Annotated[str, Field(pattern=ID, max_length=64, description="classifier id")]
-ClassName = Annotated[str, Field(min_length=1, max_length=NAME_LENGTH)]
-RecordingId = Annotated[str, Field(pattern=ID, max_length=64)]
-Recordings = Annotated[list[RecordingId], Field(max_length=1000)]
-
-
-class ClassifierBody(Body):
-    """A new classifier; ``classes`` null: all classes in the palettes of its recordings.
-
-    ``model``: name of a plug-in or service of this server that replaces the trees.
-    ``imported``: the classifier also learns from imported labels.  ``start_from``: recordings with
-    painted or imported labels of the classes; the more is painted here, the less they count.
-    """
-
-    name: ClassName
-    recordings: Annotated[Recordings, Field(min_length=1)]
-    classes: Annotated[list[ClassName], Field(min_length=1, max_length=MOST_CLASSES)] | None = None
-    model: Annotated[str, Field(max_length=NAME_LENGTH)] = ""
-    imported: bool = False
-    start_from: Recordings = Field(default_factory=list)
-
-
-class TeachBody(Body):
-    """Additional recordings to learn from."""
-
-    recordings: Recordings = Field(default_factory=list)
-
-
-class HeldOutOut(Out):
-    """Expected ``accuracy`` of a class, null before enough ``places`` of it are painted."""
-
-    accuracy: float | None
-    places: int
-
-
-class ClassifierOut(Out):
-    """A classifier: ``taught_by`` recordings with their examples, ``examples`` of each class.
-
-    ``score``: expected share of correct points in the recordings; ``held_out`` by class; both
-    null if not measured.  ``above``: default limit of the confidence; ``cell``: metres.
-    """
-
-    id: str
-    name: str
-    classes: list[str]
-    taught_by: dict[str, int]
-    examples: dict[str, int]
-    score: float | None
-    cell: float
-    model: str
-    imported: bool
-    held_out: dict[str, HeldOutOut]
-    above: float
-    start_from: list[str]
-
-
-class StartOut(Out):
-    """A labelled recording from which a classifier can start, and its ``classes``."""
-
-    recording: str
-    classes: list[str]
-
-
-class PredictionBody(Body):
-    """Points to predict: ``labels``: only as these; ``place``: only near it, source metres."""
-
-    classifier: ClassifierId
-    labels: Annotated[list[PaintId], Field(min_length=1, max_length=65534)] | None = None
-    place: Vec3 | None = None
-
-
-class DoubtPlace(Body):
-    """A place as ``GET …/doubt`` lists it: ``centre`` and ``radius``, source metres."""
-
-    frame: FrameIndex
-    centre: Vec3
-    radius: Annotated[float, Field(gt=0, le=LARGEST_CELL, allow_inf_nan=False)]
-
-
-class AnswerBody(Body):
-    """An answer to a doubt: ``class``, a label to paint; null: none of the classes, or ``skip``."""
-
-    classifier: ClassifierId
-    place: DoubtPlace
-    class_: Annotated[PaintId | None, Field(alias="class")] = None
-    skip: bool = False
-
-
-class ApplyBody(Body, ApplyOptions):
-    """A classifier to apply to frames ``I:J``; by default to all frames."""
-
-    classifier: ClassifierId
-    frames: Annotated[str, Field(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$")] = ""
-    above: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] | None = None
-    id: Uuid | None = None
-
-
-class PlaceOut(Out):
-    """A doubtful place: ``centre`` on a surface, source metres; ``radius`` of a stroke there.
-
-    ``points`` of the piece, and ``runs`` of them, first number and length; its two most likely
-    ``classes``, the likelier first.
-    """
-
-    sequence: str
-    frame: int
-    centre: tuple[float, float, float]
-    radius: float
-    points: int
-    runs: list[tuple[int, int]]
-    classes: tuple[str, str]
-    doubt: float
 
 
 @router.get("/classifiers")
-def list_classifiers(workspace: Ws) -> list[ClassifierOut]:
+def list_classifiers(workspace: Ws) -> list[Classifier]:
     """List the classifiers of the workspace, by id."""
-    return [ClassifierOut.of(each) for each in workspace.classifiers.listing()]
+    return [_classifier(each) for each in workspace.classifiers.listing()]
 
 
 @router.post("/classifiers", status_code=201, responses=responses(404))
-def create_classifier(
-    body: ClassifierBody, workspace: Ws, who: Caller, gate: TheGate
-) -> ClassifierOut:
+def create_classifier(body: NewClassifier, workspace: Ws, who: Caller, gate: TheGate) -> Classifier:
     """Create a classifier that learns from the painted points of ``recordings``, now and later."""
     gate.require_seen(who, *body.recordings, *body.start_from)
     made = workspace.classifiers.create(
         body.name, body.recordings, body.classes, body.model, body.imported, body.start_from
     )
-    return ClassifierOut.of(made)
+    return _classifier(made)
 
 
 @router.post(
@@ -172,17 +70,19 @@ def create_classifier(
 async def bring_classifier(
     request: Request,
     workspace: Ws,
-    name: Annotated[str | None, Query(min_length=1, max_length=NAME_LENGTH)] = None,
-) -> ClassifierOut:
+    name: Annotated[
+        str | None, Query(min_length=1, max_length=NAME_LENGTH, description="its new name")
+    ] = None,
+) -> Classifier:
     """Import the file of a classifier, for example from another workspace."""
     data = bytes(await body_within(request, MOST_BYTES, "classifier"))
-    return ClassifierOut.of(await run_in_threadpool(workspace.classifiers.bring, data, name))
+    return _classifier(await run_in_threadpool(workspace.classifiers.bring, data, name))
 
 
 @router.get("/classifiers/{id}", responses=responses(404))
-def get_classifier(id: ClassifierPath, workspace: Ws) -> ClassifierOut:
+def get_classifier(id: ClassifierPath, workspace: Ws) -> Classifier:
     """Return a classifier."""
-    return ClassifierOut.of(workspace.classifiers.about(id))
+    return _classifier(workspace.classifiers.about(id))
 
 
 @router.delete("/classifiers/{id}", status_code=204, responses=responses(404))
@@ -205,11 +105,11 @@ def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
 
 @router.post("/classifiers/{id}/teach", responses=responses(404))
 def teach_classifier(
-    id: ClassifierPath, body: TeachBody, workspace: Ws, who: Caller, gate: TheGate
-) -> ClassifierOut:
+    id: ClassifierPath, body: MoreExamples, workspace: Ws, who: Caller, gate: TheGate
+) -> Classifier:
     """Train on all painted points, also of further recordings, and store the classifier."""
     gate.require_seen(who, *body.recordings)
-    return ClassifierOut.of(workspace.classifiers.teach(id, body.recordings))
+    return _classifier(workspace.classifiers.teach(id, body.recordings))
 
 
 @router.post(
@@ -226,9 +126,12 @@ def teach_classifier(
 def predict(
     seq: SequenceId,
     i: FramePath,
-    body: PredictionBody,
+    body: PredictionRequest,
     workspace: Ws,
-    format: Annotated[Literal["npz", "stored"], Query()] = "npz",
+    format: Annotated[
+        Literal["npz", "stored"],
+        Query(description="`npz`: arrays in source order; `stored`: bytes for pages"),
+    ] = "npz",
 ) -> Response:
     """Predict the classes of a frame's points from all painted points, without changing labels.
 
@@ -282,10 +185,10 @@ def stored_bytes(found: Prediction) -> bytes:
 
 
 @router.get("/sequences/{seq}/starts", responses=responses(404))
-def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[StartOut]:
+def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[Start]:
     """List the labelled recordings from which a classifier of this recording can start."""
     found = workspace.classifiers.starts(seq)
-    return [StartOut.of(each) for each in found if gate.may_see(who, each.recording)]
+    return [each for each in found if gate.may_see(who, each.recording)]
 
 
 @router.get("/sequences/{seq}/doubt", responses=responses(404))
@@ -294,8 +197,8 @@ def get_doubt(
     workspace: Ws,
     who: Caller,
     gate: TheGate,
-    classifier: Annotated[str, Query(pattern=ID, max_length=64)],
-    frame: Annotated[FrameIndex | None, Query()] = None,
+    classifier: Annotated[str, Query(pattern=ID, max_length=64, description="classifier id")],
+    frame: Annotated[FrameIndex | None, Query(description="only this frame")] = None,
     all: Annotated[bool, Query(alias="workspace", description="in other recordings, too")] = False,
     near: Annotated[
         list[FiniteFloat] | None,
@@ -303,12 +206,15 @@ def get_doubt(
             min_length=3, max_length=3, description="x, y, z: round this position in a large frame"
         ),
     ] = None,
-    most: Annotated[int, Query(ge=1, le=100)] = 5,
+    most: Annotated[int, Query(ge=1, le=100, description="most places")] = 5,
     between: Annotated[
         list[ClassName] | None, Query(max_length=2, description="only between these classes")
     ] = None,
-    format: Annotated[Literal["source", "stored"], Query(description="order of `runs`")] = "source",
-) -> list[PlaceOut]:
+    format: Annotated[
+        Literal["source", "stored"],
+        Query(description="order of `runs`: `source` as in the file, `stored` as in the chunks"),
+    ] = "source",
+) -> list[Place]:
     """List the places where a label would teach most, the best first, in one or in all frames."""
     found = workspace.classifiers.doubt(
         classifier, seq, frame=frame, workspace=all, near=near, most=most, between=between or ()
@@ -316,7 +222,7 @@ def get_doubt(
     seen = [each for each in found if gate.may_see(who, each.sequence)]
     if format == "source":
         seen = [_in_source_runs(workspace, each) for each in seen]
-    return [PlaceOut.of(each) for each in seen]
+    return seen
 
 
 def _in_source_runs(workspace: Ws, place: Place) -> Place:
@@ -330,7 +236,7 @@ def _in_source_runs(workspace: Ws, place: Place) -> Place:
     "/sequences/{seq}/doubt/answers",
     responses={204: {"description": "None of the classes, or skipped"}, **responses(404, 409)},
 )
-def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws, who: Caller) -> EditOut:
+def answer_doubt(seq: SequenceId, body: DoubtAnswer, workspace: Ws, who: Caller) -> Edit:
     """Answer a doubt.
 
     A label is painted on the unlabelled and predicted points of the place, as one edit.  With none
@@ -339,10 +245,9 @@ def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws, who: Caller) 
     """
     place, found = body.place, workspace.classifiers
     if body.class_ is not None:
-        commit = found.answer(
+        return found.answer(
             body.classifier, seq, place.frame, place.centre, body.class_, author=who.author
         )
-        return EditOut.of(commit)
     found.ignore(body.classifier, seq, place.frame, place.centre, place.radius, skipped=body.skip)
     return Response(status_code=204)  # type: ignore[return-value]
 
@@ -351,7 +256,7 @@ def answer_doubt(seq: SequenceId, body: AnswerBody, workspace: Ws, who: Caller) 
 def take_back_answer(
     seq: SequenceId,
     workspace: Ws,
-    classifier: Annotated[str, Query(pattern=ID, max_length=64)],
+    classifier: Annotated[str, Query(pattern=ID, max_length=64, description="classifier id")],
     centre: Annotated[
         list[FiniteFloat] | None,
         Query(min_length=3, max_length=3, description="x, y, z of the answer's place"),
@@ -366,15 +271,20 @@ def take_back_answer(
 
 @router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))
 def apply_classifier(
-    seq: SequenceId, body: ApplyBody, response: Response, workspace: Ws, who: Caller
-) -> JobOut:
+    seq: SequenceId, body: Application, response: Response, workspace: Ws, who: Caller
+) -> Job:
     """Label the unlabelled points of frames in a job; one edit of provenance 4."""
     job = workspace.predictions.start(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
-    return JobOut.of(job)
+    return job
 
 
 @router.delete("/sequences/{seq}/features", status_code=204, responses=responses(404))
 def drop_features(seq: SequenceId, workspace: Ws) -> None:
     """Drop the cached features of a recording from memory."""
     workspace.classifiers.forget_features(seq)
+
+
+def _classifier(found: About) -> Classifier:
+    held_out = {name: HeldOut.of(each) for name, each in found.held_out.items()}
+    return Classifier.of(found, held_out=held_out)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query
 from fastapi.concurrency import run_in_threadpool
 
+from pointbrush.labels import EditInfo
+from pointbrush.values.edits import Edit, PastEdit, Undo
+from pointbrush.values.kinds import time_of
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import EditInfoOut, EditOut, StrokeBody, UndoBody
+from pointbrush.web.strokes import StrokeBody
+from pointbrush.workspace import Workspace
 
 router = resource("edits")
 
@@ -19,7 +22,7 @@ router = resource("edits")
 @router.post("/sequences/{seq}/frames/{i}/strokes", responses=responses(404, 409, 413))
 async def post_stroke(
     seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
-) -> EditOut:
+) -> Edit:
     """Apply a stroke; the call returns when the edit is durable.
 
     Deleted points and points of locked and hidden labels (``visible: false``, or in the stroke's
@@ -27,21 +30,21 @@ async def post_stroke(
     """
     # Async, because FastAPI validates the answer of other functions in another thread call.
     apply = workspace.strokes.apply
-    return EditOut.of(await run_in_threadpool(apply, seq, i, stroke.model_dump(), who.author))
+    return await run_in_threadpool(apply, seq, i, stroke.model_dump(), who.author)
 
 
 @router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
-def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
+def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: Undo | None = None) -> Edit:
     """Take back the caller's last edit, or ``edit``, except on points with a later edit."""
-    given = body or UndoBody()
-    return EditOut.of(workspace.labels.undo(seq, who.author, given.id, given.edit))
+    given = body or Undo()
+    return workspace.labels.undo(seq, who.author, given.id, given.edit)
 
 
 @router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
-def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: UndoBody | None = None) -> EditOut:
+def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: Undo | None = None) -> Edit:
     """Restore the edit that the caller's last undo took back, or ``edit``."""
-    given = body or UndoBody()
-    return EditOut.of(workspace.labels.redo(seq, who.author, given.id, given.edit))
+    given = body or Undo()
+    return workspace.labels.redo(seq, who.author, given.id, given.edit)
 
 
 @router.get("/sequences/{seq}/edits", responses=responses(404))
@@ -49,9 +52,14 @@ def list_edits(
     seq: WholeSequence,
     workspace: Ws,
     before: Annotated[int | None, Query(ge=0, lt=2**53, description="a revision")] = None,
-    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
-) -> list[EditInfoOut]:
+    limit: Annotated[int, Query(ge=1, le=1000, description="most edits to return")] = 100,
+) -> list[PastEdit]:
     """Return the edits, the newest first."""
-    name = workspace.labels.accounts.name
     edits = workspace.labels.edits(seq, before=before, limit=limit)
-    return [EditInfoOut.of(replace(edit, author=name(edit.author))) for edit in edits]
+    return [past_edit(edit, workspace) for edit in edits]
+
+
+def past_edit(edit: EditInfo, workspace: Workspace) -> PastEdit:
+    """Return an edit with the name of its author."""
+    author = workspace.labels.accounts.name(edit.author)
+    return PastEdit.of(edit, author=author, time=time_of(edit.time))

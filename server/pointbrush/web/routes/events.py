@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import Query, Request
 
-from pointbrush.jobs.job import Job
-from pointbrush.labels import EditInfo
+from pointbrush.values.jobs import Job
+from pointbrush.values.tracking import Events
 from pointbrush.web.auth import resource
 from pointbrush.web.context import WholeSequence, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import EditInfoOut, Out
-from pointbrush.web.schemas_work import JobOut, TrackOut
+from pointbrush.web.routes.edits import past_edit
+from pointbrush.web.routes.tracking import track_of
 from pointbrush.web.watching import Watching
 from pointbrush.work.doubts import is_doubtful
 from pointbrush.workspace import Workspace
@@ -25,30 +24,6 @@ LONGEST_WAIT = 50.0
 """Seconds; proxies give up an answer that does not begin in a minute."""
 MOST_EDITS = 500
 TRACKING = "tracking"
-
-
-class EventsOut(Out):
-    """Edits and tracking doubts after a revision, the oldest first, and jobs.
-
-    ``revision`` and ``jobs_seen`` are for the next call's ``after`` and ``jobs_seen``.
-    """
-
-    revision: int
-    jobs_seen: str
-    edits: list[EditInfoOut]
-    doubts: list[TrackOut]
-    jobs: list[JobOut]
-
-
-@dataclass(frozen=True, slots=True)
-class Happened:
-    """The fields of an ``EventsOut``."""
-
-    revision: int
-    jobs_seen: str
-    edits: Sequence[EditInfo]
-    doubts: Sequence[dict[str, Any]]
-    jobs: Sequence[Job]
 
 
 @router.get("/sequences/{seq}/events", responses=responses(404))
@@ -64,7 +39,7 @@ async def wait_for_events(
         Query(max_length=64, description="of the previous answer; none: return all jobs"),
     ] = None,
     wait: Annotated[float, Query(ge=0, le=LONGEST_WAIT, description="seconds")] = 0.0,
-) -> EventsOut:
+) -> Events:
     """Wait for edits and changes of jobs; the answer is empty if nothing happens within ``wait``.
 
     With the ``revision`` and ``jobs_seen`` of the previous answer a client misses nothing, even if
@@ -72,37 +47,34 @@ async def wait_for_events(
     """
     watching: Watching = request.app.state.watching
 
-    def look() -> tuple[Happened, bool]:
+    def look() -> tuple[Events, bool]:
         found = happened(workspace, seq, after, jobs_seen)
         return found, bool(found.edits or found.jobs) or after is None
 
-    return EventsOut.of(await watching.until(seq, look, wait))
+    return await watching.until(seq, look, wait)
 
 
-def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str | None) -> Happened:
+def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str | None) -> Events:
     """Collect the edits after a revision, and the jobs if any differs from ``jobs_seen``."""
     access = workspace.labels.team.access
     mine = (job for job in workspace.jobs.all() if job.sequence == seq)
     jobs = [job for job in mine if access.is_of(seq, job.created)]
     seen = _digest(jobs)
     revision = workspace.labels.revision(seq) if after is None else after
-    name = workspace.labels.accounts.name
-    edits = [
-        replace(edit, author=name(edit.author))
-        for edit in workspace.labels.edits(seq, after=revision, limit=MOST_EDITS)
-    ]
+    found = workspace.labels.edits(seq, after=revision, limit=MOST_EDITS)
+    edits = tuple(past_edit(edit, workspace) for edit in found)
     tracked = {frame for edit in edits if edit.kind == TRACKING for frame in edit.frames}
-    doubts = [
-        track
+    doubts = tuple(
+        track_of(track)
         for track in (workspace.labels.tracks(seq) if tracked else ())
         if track["frame"] in tracked and is_doubtful(track)
-    ]
-    return Happened(
+    )
+    return Events(
         edits[-1].revision if edits else revision,
         seen,
         edits,
         doubts,
-        [] if seen == jobs_seen else jobs,
+        () if seen == jobs_seen else tuple(jobs),
     )
 
 

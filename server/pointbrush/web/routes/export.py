@@ -15,11 +15,11 @@ from typing import Annotated, BinaryIO, cast
 
 from fastapi import Query, Request, Response
 from fastapi.responses import StreamingResponse
-from pydantic import BaseModel
 from starlette.types import Receive, Scope, Send
 
 from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
+from pointbrush.values.exports import ExportFormat
 from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
 from pointbrush.web.problems import responses
@@ -205,40 +205,10 @@ async def respond(
     return ExportResponse(first, pipe, ended, headers)
 
 
-class ExportOut(BaseModel):
-    """An export format: the contents of its files, and the data that it cannot hold.
-
-    ``purpose`` groups the formats.  ``splits``: its frames are split for training and validation.
-    ``whole_boxes``: it has whole boxes, not boxes that enclose only the visible points.
-    ``classes``: a label without a category becomes a class of its own in it.
-    """
-
-    format: str
-    title: str
-    content: str
-    purpose: str
-    cannot_hold: list[str]
-    splits: bool
-    whole_boxes: bool
-    classes: bool
-
-
 @router.get("/exports")
-def list_exports() -> list[ExportOut]:
+def list_exports() -> list[ExportFormat]:
     """List the export formats in the order of the page."""
-    return [
-        ExportOut(
-            format=each.name,
-            title=each.title,
-            content=each.content,
-            purpose=each.purpose,
-            cannot_hold=list(each.cannot_hold),
-            splits=each.splits,
-            whole_boxes=each.whole_boxes,
-            classes=each.classes,
-        )
-        for each in EXPORTS.values()
-    ]
+    return [ExportFormat.of(each, format=each.name) for each in EXPORTS.values()]
 
 
 @router.get(
@@ -254,7 +224,7 @@ async def export_sequence(
     workspace: Ws,
     request: Request,
     who: Caller,
-    format: Annotated[str, Query(pattern=one_of(EXPORTS))],
+    format: Annotated[str, Query(pattern=one_of(EXPORTS), description="from `GET /exports`")],
     frames: FrameRange = None,
     val: Validation = None,
     above: Annotated[

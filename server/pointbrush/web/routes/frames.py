@@ -15,13 +15,13 @@ from fastapi import Depends, Header, Path, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import StreamingResponse
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from pointbrush.errors import NotFoundError
 from pointbrush.selection import MAX_FRAMES
-from pointbrush.sequences import Chunk
 from pointbrush.sequences.pictures import MEDIA_TYPES
-from pointbrush.streaming.messages import Matrix4, Uuid
+from pointbrush.values.edits import Edit
+from pointbrush.values.frames import Camera, Chunk, ChunkTable, Moving, Placement
+from pointbrush.values.kinds import Uuid
 from pointbrush.web import npy
 from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import (
@@ -34,24 +34,31 @@ from pointbrush.web.context import (
     if_match,
 )
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import ChunkOut, ChunkTable, EditOut, Out
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.work.annotate.overlays import Placement, placements_round
+from pointbrush.work.annotate.overlays import Placement as LocalPlacement
+from pointbrush.work.annotate.overlays import placements_round
 from pointbrush.work.exporting import source_columns
 from pointbrush.workspace import Workspace
 
 router = resource("frames")
+LAYERS = (
+    "values: `label` uint16 id, 0 without one; `provenance` uint8, 0 none, 1 painted, 2 tracked, "
+    "3 imported, 4 predicted; `deleted` bool"
+)
 Layer = Annotated[
-    Literal["label", "provenance", "deleted", "confidence"], Query(description="which values")
+    Literal["label", "provenance", "deleted", "confidence"],
+    Query(description=f"{LAYERS}; `confidence` uint8 of predicted points"),
 ]
-Written = Annotated[Literal["label", "provenance", "deleted"], Query(description="which values")]
+Written = Annotated[Literal["label", "provenance", "deleted"], Query(description=LAYERS)]
 WIDEST = 8
 """Bytes a value of the widest type that is read before it is refused as a wrong type."""
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 REVALIDATED = "private, no-cache"
 HOUR = "private, max-age=3600"
-Many = Annotated[int, Query(ge=0, le=MAX_FRAMES // 2)]
+Many = Annotated[
+    int, Query(ge=0, le=MAX_FRAMES // 2, description="number of neighbouring frames on this side")
+]
 
 
 @router.get(
@@ -69,7 +76,10 @@ def get_points(
     seq: SequenceId,
     i: FramePath,
     workspace: Ws,
-    format: Annotated[Literal["npy", "npz"], Query()] = "npy",
+    format: Annotated[
+        Literal["npy", "npz"],
+        Query(description="`npy`: one structured array; `npz`: an array for each field"),
+    ] = "npy",
 ) -> Response:
     """Return all points in source order and coordinates: structured ``.npy``, or ``.npz``."""
     frame = workspace.recording(seq)[i]
@@ -103,9 +113,14 @@ def get_annotation(
     i: FramePath,
     workspace: Ws,
     layer: Layer = "label",
-    order: Annotated[Literal["source", "stored"], Query(description="of the points")] = "source",
+    order: Annotated[
+        Literal["source", "stored"],
+        Query(description="order of points: `source` as in the file, `stored` as in the chunks"),
+    ] = "source",
     snapshot: SnapshotQuery = None,
-    if_none_match: Annotated[str | None, Header()] = None,
+    if_none_match: Annotated[
+        str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
+    ] = None,
 ) -> Response:
     """Return one value per point in source order: uint16 labels, uint8 provenance, bool deleted.
 
@@ -151,9 +166,14 @@ def put_annotation(
     layer: Written = "label",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
     if_match_: Annotated[
-        str | None, Header(alias="If-Match", pattern=r'^(\*|"?[0-9]{1,18}"?)$')
+        str | None,
+        Header(
+            alias="If-Match",
+            pattern=r'^(\*|"?[0-9]{1,18}"?)$',
+            description="`ETag` that the values were made from",
+        ),
     ] = None,
-) -> EditOut:
+) -> Edit:
     """Replace a layer, as one edit.
 
     ``If-Match`` refuses the call (409) if this frame has changed since that revision, or if the
@@ -170,7 +190,7 @@ def put_annotation(
         edit=id,
     )
     response.headers["ETag"] = etag(workspace.annotations.changed(seq, i, commit))
-    return EditOut.of(commit)
+    return commit
 
 
 @router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
@@ -178,12 +198,8 @@ def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
     """Return the position, the points and the dequantisation of each wire chunk."""
     recording = workspace.recording(seq)
     frame = recording[i]
-    rows = [_row(chunk) for chunk in frame.chunks]
-    return ChunkTable(frame=i, points=frame.count, identity=recording.identity, chunks=rows)
-
-
-def _row(chunk: Chunk) -> ChunkOut:
-    return ChunkOut.of(chunk)
+    rows = tuple(map(Chunk.of, frame.chunks))
+    return ChunkTable(i, frame.count, recording.identity, rows)
 
 
 @router.get(
@@ -238,26 +254,10 @@ def get_thumbnail(
     )
 
 
-class CameraOut(Out):
-    """A picture of a frame; a point p in source coordinates is at ``K (T_camera_frame p)``.
-
-    ``distortion`` are the coefficients of ``model`` (``plumb_bob``: k1, k2, p1, p2, k3; none: the
-    picture is rectified).  ``K`` and ``T_camera_frame`` are null if they are unknown.
-    """
-
-    name: str
-    width: int
-    height: int
-    K: list[list[float]] | None
-    distortion: list[float]
-    model: str
-    T_camera_frame: list[list[float]] | None
-
-
 @router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
-def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[CameraOut]:
+def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[Camera]:
     """List the cameras that have a picture of this frame."""
-    return [CameraOut.of(each) for each in workspace.recording(seq).projections(i)]
+    return list(map(Camera.of, workspace.recording(seq).projections(i)))
 
 
 @router.get(
@@ -289,45 +289,10 @@ def get_image(
     return Response(content, media_type=MEDIA_TYPES[PurePath(name).suffix], headers=headers)
 
 
-class MovingOut(BaseModel):
-    """Placement of a tracked label's points, source coordinates."""
-
-    label: int
-    T_shown_frame: Matrix4
-
-
-class PlacementOut(BaseModel):
-    """Placement of a frame over the shown one, source coordinates, row-major 4x4.
-
-    ``moving``: labels with points that their tracks place elsewhere.
-    """
-
-    frame: int
-    T_shown_frame: Matrix4
-    moving: list[MovingOut]
-
-    @classmethod
-    def of(cls, placement: Placement, shift: NDArray[np.float64]) -> PlacementOut:
-        """From local coordinates (source minus ``shift``)."""
-
-        def source(T: NDArray[np.float64]) -> list[float]:
-            moved = T.copy()
-            moved[:3, 3] += shift - T[:3, :3] @ shift
-            return [float(value) for value in moved.ravel()]
-
-        moving = [
-            MovingOut(label=label, T_shown_frame=source(T))
-            for label, T in sorted(placement.moving.items())
-        ]
-        return cls(
-            frame=placement.frame, T_shown_frame=source(placement.T_shown_frame), moving=moving
-        )
-
-
 @router.get("/sequences/{seq}/frames/{i}/placements", responses=responses(404))
 def list_placements(
     seq: SequenceId, i: FramePath, workspace: Ws, before: Many = 0, after: Many = 0
-) -> list[PlacementOut]:
+) -> list[Placement]:
     """Return the placement of frame ``i`` and of its neighbours for a stroke with ``frames``.
 
     The poses of the recording place the frames; its track places the points of a tracked label.
@@ -335,4 +300,16 @@ def list_placements(
     recording = workspace.recording(seq)
     shift = np.asarray(recording.manifest.shift, np.float64)
     found = placements_round(workspace.labels, recording, i, before, after)
-    return [PlacementOut.of(placement, shift) for placement in found]
+    return [_in_source(placement, shift) for placement in found]
+
+
+def _in_source(placement: LocalPlacement, shift: NDArray[np.float64]) -> Placement:
+    """Return a placement in source coordinates: local coordinates plus ``shift``."""
+
+    def source(T: NDArray[np.float64]) -> NDArray[np.float64]:
+        moved = T.copy()
+        moved[:3, 3] += shift - T[:3, :3] @ shift
+        return moved
+
+    moving = (Moving(label, source(T)) for label, T in sorted(placement.moving.items()))
+    return Placement(placement.frame, source(placement.T_shown_frame), tuple(moving))

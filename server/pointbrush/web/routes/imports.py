@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -12,7 +12,6 @@ from fastapi import Path as PathParameter
 from fastapi import Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
-from pydantic import Field
 from starlette.datastructures import UploadFile
 from starlette.exceptions import HTTPException
 
@@ -20,12 +19,23 @@ from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
-from pointbrush.formats.tables.names import POSES
+from pointbrush.formats.tables.corrections import Corrections, parse_corrections
+from pointbrush.formats.tables.names import DELIMITERS, POSES
+from pointbrush.settings.definitions import chosen
+from pointbrush.values.base import Patterns
+from pointbrush.values.imports import (
+    Entry,
+    FolderImport,
+    FolderRequest,
+    ImportOptions,
+    ImportPreview,
+    ImportRequest,
+)
+from pointbrush.values.jobs import Job
+from pointbrush.values.kinds import VISIBLE
 from pointbrush.web.auth import Caller, Gate, TheGate, resource
-from pointbrush.web.context import ProjectId, Ws
+from pointbrush.web.context import ProjectId, Ws, one_of
 from pointbrush.web.problems import problem_of, responses
-from pointbrush.web.schemas import VISIBLE, Body, Out
-from pointbrush.web.schemas_work import ImportBody, ImportOptions, JobOut, PreviewOut, Text
 from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,
@@ -48,8 +58,12 @@ TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
 """Options of a form without a pattern, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
 
+PATTERNS = Patterns(format=one_of(format_names()), delimiter=one_of(DELIMITERS) + r"|^[^\x00]$")
+# The names of formats come from plug-ins too.
+JSON_BODY: Any = Annotated[ImportRequest, PATTERNS]
+FORM_BODY: Any = Annotated[ImportOptions, PATTERNS]
 IMPORT_BODY = described(
-    ImportBody,
+    JSON_BODY,
     {
         "name": {"type": "string", "pattern": f"^{VISIBLE}{{1,200}}$"},
         "fps": {"type": "string", "pattern": r"^[1-9][0-9]{0,2}(\.[0-9]{1,6})?$"},
@@ -79,7 +93,8 @@ class Wanted:
         options = self.options
         name = options.name or (self.upload.name if self.upload else None)
         return {
-            "name": name, "fps": options.fps, "chosen": options.chosen, "roots": self.roots,
+            "name": name, "fps": options.fps, "roots": self.roots,
+            "chosen": parse_corrections(chosen(Corrections, options)),
             "project": options.project,
         }  # fmt: skip
 
@@ -90,15 +105,13 @@ class Wanted:
     responses=responses(404, 409, 413, 415),
     openapi_extra=IMPORT_BODY,
 )
-async def import_sequence(
-    request: Request, response: Response, workspace: Ws, who: Caller
-) -> JobOut:
+async def import_sequence(request: Request, response: Response, workspace: Ws, who: Caller) -> Job:
     """Import from a path under the allowed roots (JSON), or from uploaded files (multipart)."""
     await run_in_threadpool(workspace.library.require_writable)
     wanted = await _wanted(request, workspace, who)
     kept: KeptUploads = request.app.state.kept_uploads
 
-    def start() -> JobOut:
+    def start() -> Job:
         upload = wanted.upload
         job = workspace.imports.begin(
             wanted.paths,
@@ -109,7 +122,7 @@ async def import_sequence(
         )
         if upload is not None:
             kept.forget(upload)
-        return JobOut.of(job)
+        return job
 
     try:
         job = await run_in_threadpool(start)
@@ -121,35 +134,14 @@ async def import_sequence(
     return job
 
 
-class EachBody(Body):
-    """A folder on the server; each file or folder in it is a recording."""
-
-    path: Text
-    fps: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False)] | None = None
-
-
-class FolderBody(Body):
-    """A folder on the server."""
-
-    path: Text
-
-
-class EntryOut(Out):
-    """A file or folder of a folder on the server."""
-
-    name: str
-    path: str
-    bytes: Annotated[int, Field(description="size of the file, or of all files in the folder")]
-
-
 @router.post("/imports/entries", responses=responses(404, 413))
 def list_entries(
-    body: FolderBody, workspace: Ws, who: Caller, gate: TheGate, request: Request
-) -> list[EntryOut]:
+    body: FolderRequest, workspace: Ws, who: Caller, gate: TheGate, request: Request
+) -> list[Entry]:
     """List the entries of a folder under the allowed roots, each of which can be a recording."""
     roots = workspace.import_roots(own=gate.is_own(request, who))
     return [
-        EntryOut(name=entry.name, path=str(entry), bytes=bytes_of(entry))
+        Entry(entry.name, str(entry), bytes_of(entry))
         for folder in allowed(body.path, roots)
         for entry in recordings_in(folder)
         if entry.name.isprintable()  # other names cannot be written as JSON
@@ -158,24 +150,25 @@ def list_entries(
 
 @router.post("/projects/{p}/imports", status_code=202, responses=responses(404, 413))
 def import_each(
-    p: ProjectId, body: EachBody, workspace: Ws, who: Caller, gate: TheGate, request: Request
-) -> list[JobOut]:
+    p: ProjectId, body: FolderImport, workspace: Ws, who: Caller, gate: TheGate, request: Request
+) -> list[Job]:
     """Import each entry of a folder under the allowed roots as a recording of a project."""
     workspace.library.require_writable()
     roots = workspace.import_roots(own=gate.is_own(request, who))
     (folder,) = allowed(body.path, roots)
     options: dict[str, Any] = {"fps": body.fps, "roots": roots, "project": p, "owner": who.author}
-    jobs = [workspace.imports.begin([each], **options) for each in recordings_in(folder)]
-    return [JobOut.of(job) for job in jobs]
+    return [workspace.imports.begin([each], **options) for each in recordings_in(folder)]
 
 
 @router.post(
     "/imports/preview",
     responses=responses(404, 409, 413, 415),
     openapi_extra=IMPORT_BODY,
-    response_model=PreviewOut,
+    response_model=ImportPreview,
 )
-async def preview_import(request: Request, workspace: Ws, who: Caller) -> PreviewOut | JSONResponse:
+async def preview_import(
+    request: Request, workspace: Ws, who: Caller
+) -> ImportPreview | JSONResponse:
     """Preview an import without writing anything.
 
     The server keeps uploaded files for an hour, also if the answer is an error: ``upload`` of the
@@ -197,7 +190,7 @@ async def preview_import(request: Request, workspace: Ws, who: Caller) -> Previe
             raise
         hidden = BadInputError(workspace.paths.hide(str(error)))
         return problem_of(hidden, {"upload": named})
-    return PreviewOut.of(found, named)
+    return ImportPreview(**asdict(found), upload=named)
 
 
 @router.delete("/imports/{upload}", status_code=204, responses=responses(404))
@@ -215,7 +208,7 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
         return await _uploaded(request, who.author)
     if kind not in ("", "application/json"):
         raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
-    body = parse_json(ImportBody, await request.body())
+    body = parse_json(JSON_BODY, await request.body())
     if (body.path is None) == (body.upload is None):
         raise BadInputError(
             "path: expected a path or an upload, got "
@@ -230,7 +223,7 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
     paths = await run_in_threadpool(allowed, body.path or "", roots)
     if body.poses not in (None, *POSES):
         (poses,) = await run_in_threadpool(allowed, body.poses, roots)
-        body = body.model_copy(update={"poses": str(poses)})
+        body = replace(body, poses=str(poses))
     return Wanted(paths, body, roots)
 
 
@@ -245,7 +238,7 @@ def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
         raise BadInputError(
             f"poses: expected {', '.join(POSES)} or an uploaded file, got {options.poses[:80]!r}"
         )
-    return options.model_copy(update={"poses": str(found)})
+    return replace(options, poses=str(found))
 
 
 async def _uploaded(request: Request, owner: str) -> Wanted:
@@ -255,7 +248,7 @@ async def _uploaded(request: Request, owner: str) -> Wanted:
         async with request.form(
             max_files=MAX_FILES, max_fields=MAX_FIELDS, max_part_size=MAX_FIELD
         ) as form:
-            options = parse_form(ImportOptions, form)
+            options = parse_form(FORM_BODY, form)
             files = [file for file in form.getlist("files") if isinstance(file, UploadFile)]
             saved = await run_in_threadpool(save, files, folder)
         upload = Upload("", owner, folder, tuple(saved.paths), saved.name)

@@ -8,28 +8,28 @@ from fastapi import Query
 
 from pointbrush.accounts.roles import require
 from pointbrush.errors import NotFoundError
+from pointbrush.values.jobs import Job
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.roles import CANCEL_ANY
-from pointbrush.web.schemas_work import JobOut
 
 router = resource("jobs")
 
 
 @router.get("/jobs", responses=responses())
-def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[JobOut]:
+def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[Job]:
     """List the jobs of recordings that the caller may open, the newest first."""
-    return [JobOut.of(job) for job in workspace.jobs.all() if gate.may_see_job(who, job)]
+    return [job for job in workspace.jobs.all() if gate.may_see_job(who, job)]
 
 
 @router.get("/jobs/{id}", responses=responses(404))
-def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> JobOut:
+def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> Job:
     """Return a job."""
     job = workspace.jobs.get(id.lower())
     if not gate.may_see_job(who, job):
         raise NotFoundError(f"job: expected a known id, got {id}")
-    return JobOut.of(job)
+    return job
 
 
 @router.delete("/jobs/{id}", responses=responses(404, 409))
@@ -40,8 +40,8 @@ def cancel_job(
     keep: Annotated[
         bool, Query(description="commit the frames that a tracking run has finished")
     ] = False,
-) -> JobOut:
+) -> Job:
     """Ask a job to stop: the caller's own job, or any job with the role manager."""
     if workspace.jobs.get(id.lower()).owner != who.author:
         require(who.role, CANCEL_ANY)
-    return JobOut.of(workspace.jobs.cancel(id.lower(), keep=keep))
+    return Job.of(workspace.jobs.cancel(id.lower(), keep=keep))

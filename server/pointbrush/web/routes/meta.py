@@ -11,6 +11,7 @@ from prometheus_client import CONTENT_TYPE_LATEST, generate_latest
 from pointbrush import __version__
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
+from pointbrush.values.server import Health, Me, NewKeys, OwnKeys, Ready, SignedIn, SignIn
 from pointbrush.web import auth
 from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.context import Ws
@@ -18,15 +19,6 @@ from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.roles import PREFIX
-from pointbrush.web.schemas import (
-    Health,
-    MeOut,
-    OwnKeysBody,
-    OwnKeysOut,
-    Ready,
-    SessionBody,
-    SessionOut,
-)
 
 router = resource("server")
 sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])
@@ -35,12 +27,12 @@ DOCS = Path(__file__).parents[1] / "docs"
 DOCS_FILES = {"docs.js": "text/javascript", "docs.css": "text/css"}
 
 
-def _out(principal: Principal) -> SessionOut:
-    return SessionOut(author=principal.name, role=principal.role)
+def _out(principal: Principal) -> SignedIn:
+    return SignedIn(principal.name, principal.role)
 
 
 @sign_in_router.post("/session", responses=responses(413))
-def sign_in(body: SessionBody, request: Request, response: Response) -> SessionOut:
+def sign_in(body: SignIn, request: Request, response: Response) -> SignedIn:
     """Exchange a token for the page's cookies."""
     auth.require_same_origin(request)
     gate: Gate = request.app.state.gate
@@ -51,25 +43,25 @@ def sign_in(body: SessionBody, request: Request, response: Response) -> SessionO
 
 
 @router.get("/session", responses=responses())
-def who_am_i(who: Caller) -> SessionOut:
+def who_am_i(who: Caller) -> SignedIn:
     """Return the identity of the caller."""
     return _out(who)
 
 
 @router.get("/me", responses=responses())
-def me(who: Caller) -> MeOut:
+def me(who: Caller) -> Me:
     """Return the caller's identity, and the hash of the socket's messages."""
-    return MeOut(author=who.name, role=who.role, schema_=schema_hash(), version=__version__)
+    return Me(who.name, who.role, schema_hash(), __version__)
 
 
 @router.get("/me/keys", responses=responses())
-def own_keys(who: Caller, workspace: Ws) -> OwnKeysOut:
+def own_keys(who: Caller, workspace: Ws) -> OwnKeys:
     """Return the keyboard shortcuts that the caller has chosen, in all browsers."""
-    return OwnKeysOut(keys=workspace.labels.own_keys.get(who.author))
+    return OwnKeys(workspace.labels.own_keys.get(who.author))
 
 
 @router.put("/me/keys", status_code=204, responses=responses(413))
-def set_own_keys(body: OwnKeysBody, who: Caller, workspace: Ws) -> None:
+def set_own_keys(body: NewKeys, who: Caller, workspace: Ws) -> None:
     """Replace the keyboard shortcuts of the caller."""
     workspace.labels.own_keys.put(who.author, body.keys)
 
@@ -86,7 +78,7 @@ def sign_out(request: Request, response: Response) -> None:
 @open_router.get("/api/v1/healthz")
 async def healthz() -> Health:
     """Answers while the server is up; needs no token, no worker thread and no database."""
-    return Health(version=__version__)
+    return Health("ok", __version__)
 
 
 @open_router.get("/readyz")
@@ -99,8 +91,8 @@ async def readyz(request: Request, response: Response) -> Ready:
     if any(problems.values()):
         response.status_code = 503
         response.headers["Retry-After"] = "5"
-        return Ready(status="not ready", parts=parts)
-    return Ready(status="ready", parts=parts)
+        return Ready("not ready", parts)
+    return Ready("ready", parts)
 
 
 @open_router.get("/metrics")

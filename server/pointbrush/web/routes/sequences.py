@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Annotated
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated, Any
 
 import numpy as np
 from fastapi import Depends, Query
@@ -11,15 +11,13 @@ from fastapi import Depends, Query
 from pointbrush.accounts.roles import includes
 from pointbrush.teamwork.access import COMPARES
 from pointbrush.teamwork.summaries import Search
-from pointbrush.teamwork.tasks import TaskState
+from pointbrush.values.kinds import TaskState
+from pointbrush.values.recordings import Manifest, RecordingPatch
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import (
-    FloorBody,
-    SequenceOut,
-    SequencePatch,
-)
+from pointbrush.web.strokes import FloorBody
+from pointbrush.work import manifests
 from pointbrush.workspace import Workspace
 
 CopiesQuery = Annotated[
@@ -46,27 +44,28 @@ class Asked:
 
 
 def asked(
-    project: Annotated[str | None, Query(pattern=SEQUENCE_ID, max_length=64)] = None,
+    project: Annotated[
+        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="id of its project")
+    ] = None,
     q: Annotated[str, Query(max_length=256, description="a part of the name or id")] = "",
     category: Annotated[
         str | None,
         Query(alias="class", min_length=1, max_length=256, description="with points of it"),
     ] = None,
-    label: Word = None,
-    state: Annotated[TaskState | None, Query(description="of one of its tasks")] = None,
-    person: Word = None,
+    label: Annotated[Word, Query(description="name of a label that has points in it")] = None,
+    state: Annotated[TaskState | None, Query(description="state of one of its tasks")] = None,
+    person: Annotated[
+        Word, Query(description="account that has a task in it, or edited it")
+    ] = None,
 ) -> Asked | None:
-    """Return the search that a call asks for, if any.
-
-    ``label``: the name of one with points; ``person`` has a task in the recording, or edited it.
-    """
+    """Return the search that a call asks for, if any."""
     search = Search(project, category, label, state, person)
     return Asked(search, q) if q or search != Search() else None
 
 
-def _out(workspace: Workspace, sequence: str) -> SequenceOut:
+def _out(workspace: Workspace, sequence: str) -> Manifest:
     workspace.recording(sequence)
-    return SequenceOut.listed(workspace.listing.entry(sequence))
+    return manifests.listed(workspace.listing.entry(sequence))
 
 
 @router.get("/sequences", responses=responses())
@@ -78,7 +77,7 @@ def list_sequences(
     *,
     deleted: DeletedQuery = False,
     copies: CopiesQuery = False,
-) -> list[SequenceOut]:
+) -> list[Manifest]:
     """List the recordings that the caller may open, by name, damaged ones included.
 
     ``deleted``: recordings that can be restored.  A search finds only recordings that can be
@@ -86,7 +85,7 @@ def list_sequences(
     """
     if deleted:
         gone = workspace.deletion.deleted()
-        return [SequenceOut.removed(e) for e in gone if gate.may_see_deleted(who, e.known)]
+        return [manifests.removed(e) for e in gone if gate.may_see_deleted(who, e.known)]
     if wanted is None:
         found = workspace.listing.all(copies=True)
     else:
@@ -98,19 +97,21 @@ def list_sequences(
             shown += [entry] if copies else []
         elif entry.id in roles:
             shown.append(replace(entry, copy_of=None))
-    return [SequenceOut.listed(entry) for entry in shown]
+    return [manifests.listed(entry) for entry in shown]
 
 
 @router.get("/sequences/{seq}", responses=responses(404))
-def get_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
+def get_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
     """Return the manifest of a recording."""
     return _out(workspace, seq)
 
 
 @router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
-def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> SequenceOut:
+def patch_sequence(seq: SequenceId, patch: RecordingPatch, workspace: Ws) -> Manifest:
     """Change the name, the rate or the floor transform of a recording."""
-    fields = {name: value for name, value in patch.model_dump().items() if value is not None}
+    fields: dict[str, Any] = {
+        name: value for name, value in asdict(patch).items() if value is not None
+    }
     if patch.room is not None:
         fields["room"] = np.array(patch.room).reshape(4, 4)
     if fields:
@@ -119,7 +120,7 @@ def patch_sequence(seq: SequenceId, patch: SequencePatch, workspace: Ws) -> Sequ
 
 
 @router.post("/sequences/{seq}/source-labels", responses=responses(404, 409))
-def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> SequenceOut:
+def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Manifest:
     """Import the labels in a recording's own files, unless its import has done so.
 
     The call can be repeated: the labels are imported once.
@@ -129,7 +130,7 @@ def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Sequenc
 
 
 @router.post("/sequences/{seq}/floor", responses=responses(404, 409, 413))
-def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> SequenceOut:
+def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> Manifest:
     """Place a recording on the surface that rays point at; one is enough, three level it better."""
     samples = [sample.model_dump() for sample in body.samples]
     workspace.stand_on_floor(seq, body.frame, samples)
@@ -137,7 +138,7 @@ def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> SequenceO
 
 
 @router.delete("/sequences/{seq}/floor", responses=responses(404, 409))
-def reset_floor(seq: SequenceId, workspace: Ws) -> SequenceOut:
+def reset_floor(seq: SequenceId, workspace: Ws) -> Manifest:
     """Place a recording on the floor that the import found."""
     workspace.reset_floor(seq)
     return _out(workspace, seq)
@@ -153,10 +154,10 @@ def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = No
 
 
 @router.post("/sequences/{seq}/restore", responses=responses(404, 409))
-def restore_sequence(seq: SequenceId, workspace: Ws) -> SequenceOut:
+def restore_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
     """Restore a deleted recording with all its labels, by its id or its ``identity``.
 
     If several have this id, the last deleted one is restored.  If the id is in use, the recording
     gets another id.  With the ``identity`` the call can be repeated.
     """
-    return SequenceOut.listed(workspace.listing.entry(workspace.deletion.restore(seq)))
+    return manifests.listed(workspace.listing.entry(workspace.deletion.restore(seq)))

@@ -2,84 +2,41 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from typing import Annotated
 
 from fastapi import Path, Query, Response
 
+from pointbrush.labels.versions import Version
+from pointbrush.values.kinds import time_of
+from pointbrush.values.snapshots import Difference, NewSnapshot, Snapshot
 from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.schemas import Body, Name, Out
-from pointbrush.work.projects.versions import Kind
 
 router = resource("snapshots")
 SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="snapshot id")]
 
 
-class SnapshotBody(Body):
-    """A version to create."""
-
-    name: Name
-
-
-class SnapshotOut(Out):
-    """A version: the revisions of the recordings at its time."""
-
-    id: str
-    name: str
-    created: datetime
-    author: str
-    recordings: dict[str, int]
-
-
-class LabelDifferenceOut(Out):
-    """A label that was added, removed, or has another name, category or colour."""
-
-    label: int
-    name: str
-    kind: Kind
-
-
-class FrameDifferenceOut(Out):
-    """Points with a new, removed or different label; labels with points in one version only."""
-
-    frame: int
-    came: int
-    went: int
-    changed: int
-    objects_came: list[int]
-    objects_went: list[int]
-
-
-class DifferenceOut(Out):
-    """Difference of a recording's labels; equal parts are left out."""
-
-    sequence: str
-    labels: list[LabelDifferenceOut]
-    frames: list[FrameDifferenceOut]
-
-
 @router.get("/projects/{p}/snapshots", responses=responses(404))
-def list_snapshots(p: ProjectId, workspace: Ws) -> list[SnapshotOut]:
+def list_snapshots(p: ProjectId, workspace: Ws) -> list[Snapshot]:
     """List the versions of a project's labels, the newest first."""
-    return [SnapshotOut.of(each) for each in workspace.versions.all(p)]
+    return [_snapshot(each) for each in workspace.versions.all(p)]
 
 
 @router.post("/projects/{p}/snapshots", status_code=201, responses=responses(404, 409, 413))
 def create_snapshot(
-    p: ProjectId, body: SnapshotBody, response: Response, workspace: Ws, who: Caller
-) -> SnapshotOut:
+    p: ProjectId, body: NewSnapshot, response: Response, workspace: Ws, who: Caller
+) -> Snapshot:
     """Store the current labels of a project as a named version."""
     made = workspace.versions.create(p, body.name, who.author)
     response.headers["Location"] = f"/api/v1/projects/{p}/snapshots/{made.id}"
-    return SnapshotOut.of(made)
+    return _snapshot(made)
 
 
 @router.get("/projects/{p}/snapshots/{s}", responses=responses(404))
-def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> SnapshotOut:
+def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> Snapshot:
     """Return a version."""
-    return SnapshotOut.of(workspace.versions.get(p, s))
+    return _snapshot(workspace.versions.get(p, s))
 
 
 @router.delete("/projects/{p}/snapshots/{s}", status_code=204, responses=responses(404))
@@ -107,8 +64,12 @@ def get_difference(
     sequence: Annotated[
         str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="only of this recording")
     ] = None,
-) -> list[DifferenceOut]:
+) -> list[Difference]:
     """Return the difference of two versions by frame, for the recordings that both have."""
     found = workspace.versions.difference(p, s, other, sequence)
     roles = gate.roles_in(who, (each.sequence for each in found))
-    return [DifferenceOut.of(each) for each in found if each.sequence in roles]
+    return [each for each in found if each.sequence in roles]
+
+
+def _snapshot(found: Version) -> Snapshot:
+    return Snapshot.of(found, created=time_of(found.created))

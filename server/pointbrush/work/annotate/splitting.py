@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +12,13 @@ from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette, default_color
 from pointbrush.labels.types import PAINTED
 from pointbrush.selection.cluster import connected_parts, usual_gap
+from pointbrush.values.edits import Split
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.part import Part
 
 MOST_PARTS = 64
 """Limit of parts with a label; further parts stay with the largest one."""
 LEAST_POINTS = 10
-
-
-@dataclass(frozen=True)
-class Split:
-    """Result of a split: the edit, the new ``labels``, and the ``gap`` (metres) between parts."""
-
-    commit: Commit
-    labels: tuple[Label, ...]
-    gap: float
 
 
 class Splitting(Part):
@@ -86,7 +77,7 @@ class Splitting(Part):
             if_match=(frame, values.revision),
             identity=recording.identity,
         )
-        return Split(commit, tuple(fresh), wide)
+        return _result(commit, fresh, wide)
 
 
 def _repeated(store: LabelStore, commit: Commit, frame: int, gap: float | None) -> Split:
@@ -94,7 +85,11 @@ def _repeated(store: LabelStore, commit: Commit, frame: int, gap: float | None) 
     delta = commit.frames.get(frame)
     ids = set() if delta is None else set(np.unique(delta.label).tolist())
     labels = [label for label in store.palette(commit.sequence) if label.id in ids]
-    return Split(commit, tuple(labels), gap or 0.0)
+    return _result(commit, labels, gap or 0.0)
+
+
+def _result(commit: Commit, labels: Sequence[Label], gap: float) -> Split:
+    return Split.of(commit, labels=tuple(label.id for label in labels), gap=gap)
 
 
 def _write(

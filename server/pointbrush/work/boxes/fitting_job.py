@@ -209,7 +209,7 @@ class Fitting(EditService[FitRequest]):
         return sizes
 
     def _committed(self, made: Commit) -> dict[str, Any]:
-        return {"edit": made.edit_id, "fitted": list(made.boxes), "skipped": {}}
+        return {"edit": made.edit, "fitted": list(made.boxes), "skipped": {}}
 
 
 class _FittedBoxes(Receiver):
@@ -252,7 +252,7 @@ class _FittedBoxes(Receiver):
         now = _first_boxes(self._store.boxes.listing(self._sequence).boxes)
         fitted = sorted(now[label].id for label in made if label in now)
         return {
-            "edit": commit.edit_id, "fitted": fitted, "skipped": skipped,
+            "edit": commit.edit, "fitted": fitted, "skipped": skipped,
             MESSAGE: f"fitted {many}",
         }  # fmt: skip
 

@@ -190,7 +190,7 @@ class _Prediction(Receiver):
             identity=self.recording.identity,
         )
         return {
-            "edit": commit.edit_id,
+            "edit": commit.edit,
             "changed": commit.changed,
             "revision": commit.revision,
             "frames": frames,

@@ -19,6 +19,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.classifiers import Place
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.frames import example_frame, level_rotation
 from pointbrush.work.classifiers.ignoring import ignored_cells
@@ -31,25 +32,6 @@ MOST_OFFERED = 256
 """Uncertain pieces that are kept until their answer, at most."""
 SPARE = 8
 """Places of a frame that are found in addition, as pieces may be too small to be asked about."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """An uncertain place for a person to label.
-
-    ``centre`` (3,) source metres, ``radius`` of a stroke, ``points`` of the piece and their
-    ``runs`` in stored order, first and length; the two most probable ``classes``, and the
-    ``doubt``, 0 to 1.
-    """
-
-    sequence: str
-    frame: int
-    centre: tuple[float, float, float]
-    radius: float
-    points: int
-    runs: tuple[tuple[int, int], ...]
-    classes: tuple[str, str]
-    doubt: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,7 +30,8 @@ from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.classifiers.asking import Place, Questions
+from pointbrush.values.classifiers import Place, Start
+from pointbrush.work.classifiers.asking import Questions
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.classifiers.frames import spread_frames
@@ -64,14 +65,6 @@ class About:
     held_out: Mapping[str, HeldOut]
     above: float
     start_from: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Start:
-    """A labelled recording from which a classifier can start, and its ``classes``."""
-
-    recording: str
-    classes: tuple[str, ...]
 
 
 class Classifiers:

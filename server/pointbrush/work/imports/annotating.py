@@ -76,7 +76,7 @@ class _ReadLabels(Receiver):
         warnings += [*chosen.warnings(), *([refused] if refused else [])]
         report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
         report |= {"refused": refused}
-        return report | ({"edit": commit.edit_id, "changed": commit.changed} if commit else {})
+        return report | ({"edit": commit.edit, "changed": commit.changed} if commit else {})
 
     def _all(self, kind: type[Item]) -> list[Item]:
         return [item for item in self.items if isinstance(item, kind)]

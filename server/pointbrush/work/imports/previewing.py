@@ -27,6 +27,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.jobs.worker import local_processes
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import nearest_axis
+from pointbrush.values.imports import Preview as Preview
 from pointbrush.work.imports.importing import (
     PART_POINTS,
     SINGLE_FPS,
@@ -64,31 +65,6 @@ class UnitGuess:
     scale: float
     extent: tuple[float, float, float]
     """Width of the middle 96 % of the first frame's points along each axis, in units."""
-
-
-@dataclass(frozen=True, slots=True)
-class Preview:
-    """Preview of an import, with fields as in JSON."""
-
-    name: str
-    format: str
-    title: str
-    frames: int | None
-    fps: float
-    fps_from: str
-    order: str
-    files: list[dict[str, Any]]
-    points: list[dict[str, int]]
-    columns: list[dict[str, str]]
-    topics: list[dict[str, Any]]
-    cameras: list[dict[str, Any]]
-    poses: dict[str, Any] | None
-    units: dict[str, Any]
-    up: str
-    up_from: str
-    labels: bool
-    corrections: dict[str, Any]
-    warnings: list[str]
 
 
 def preview(request: ImportRequest, limits: Limits) -> Preview:

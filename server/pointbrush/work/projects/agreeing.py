@@ -18,6 +18,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork import matching
 from pointbrush.teamwork.copies import Copy
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.tasks import Disagreement, Region, Score
 from pointbrush.work.library import Library
 from pointbrush.work.reviewing import comparing
 
@@ -30,58 +31,13 @@ FEWEST = 3
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """A disagreement in a frame; ``first``, ``second``: names of the labels of either.
-
-    ``labels``: their numbers in the copies.  ``place``: a differing point, source metres; None in
-    an octree.  ``has``: the copy with the same labels as the recording there, first (0) or second
-    (1).
-    """
-
-    kind: matching.Kind
-    frame: int
-    first: tuple[str, ...]
-    second: tuple[str, ...]
-    labels: tuple[tuple[int, ...], tuple[int, ...]]
-    points: int
-    place: tuple[float, float, float] | None
-    has: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class Region:
-    """Points to merge: points with one of ``labels`` in a copy, by the copy's id.
-
-    ``frame``: their frame; None: all frames that are handed in.
-    """
-
-    labels: Mapping[str, Sequence[int]]
-    frame: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class Pair:
     """Agreement of two copies: by points, and disagreements, largest first."""
 
     first: str
     second: str
     agreement: comparing.Agreement
-    places: Sequence[Place]
-
-
-@dataclass(frozen=True, slots=True)
-class Score:
-    """A person's score on frames with ground truth; ``miou``: of points by class.
-
-    ``found``, ``missed``: objects of the ground truth; ``added``: other objects.
-    """
-
-    account: str
-    frames: int
-    miou: float | None
-    found: int
-    missed: int
-    added: int
+    places: Sequence[Disagreement]
 
 
 class Agreeing:
@@ -117,7 +73,9 @@ class Agreeing:
                 has = next((k for k in (0, 1) if _alike(parts, classes, k)), None)
                 called = (_names(known[0], found.first), _names(known[1], found.second))
                 ends = (found.first, found.second)
-                places.append(Place(found.kind, frame, *called, ends, found.points, place, has))
+                places.append(
+                    Disagreement(found.kind, frame, *called, ends, found.points, has, place)
+                )
         places.sort(key=lambda each: (-each.points, each.frame))
         return Pair(one.id, other.id, comparing.agreement(counted, *classes[:2]), places)
 
@@ -255,7 +213,7 @@ class Agreeing:
                     frames = range(task.first, task.last + 1)
                     pairs[task.assignee] += [(copy, frame) for frame in frames]
         found = [self._score(account, of_them) for account, of_them in pairs.items()]
-        return sorted(found, key=lambda each: (-(each.miou or 0.0), each.account))
+        return sorted(found, key=lambda each: (-(each.miou or 0.0), each.person))
 
     def _score(self, account: str, frames: Sequence[tuple[Copy, int]]) -> Score:
         counted: dict[int, Counter[tuple[str, str]]] = {}

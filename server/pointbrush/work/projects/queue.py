@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from pointbrush.accounts.accounts import require_name
@@ -12,9 +12,10 @@ from pointbrush.errors import BadInputError
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.access import COMPARES
 from pointbrush.teamwork.copies import CopyKind
-from pointbrush.teamwork.rules import Person, Wish, fulfilled
+from pointbrush.teamwork.rules import Person, fulfilled
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
+from pointbrush.values.tasks import NewTasks, TaskPatch
 from pointbrush.work.exporting import parse_frames
 
 MOST_PEOPLE = 9
@@ -22,29 +23,7 @@ MOST_PEOPLE = 9
 MOST_TASKS = 10_000
 """Limit of tasks created by one call."""
 
-__all__ = ["NewTasks", "Queue", "Wish"]
-
-
-@dataclass(frozen=True, slots=True)
-class NewTasks:
-    """Tasks to create.
-
-    ``recordings``  their ids; None: all of the project.
-    ``frames``      "I:J" of each; None: all.
-    ``every``       frames of a task; None: a task has all.
-    ``assignee``    account that the tasks are reserved for, or "".
-    ``people``      number of people that label separate copies; ``truth``: one copy without
-                    labels, to compare with ground truth.
-    ``id``          of the call; a repeated call creates no other tasks.
-    """
-
-    recordings: Sequence[str] | None = None
-    frames: str | None = None
-    every: int | None = None
-    assignee: str = ""
-    people: int = 1
-    truth: bool = False
-    id: str | None = None
+__all__ = ["NewTasks", "Queue", "TaskPatch"]
 
 
 class Queue:
@@ -111,7 +90,7 @@ class Queue:
         self._store.team.access.forget()  # a copy replaces its recording for the account
         return None if task is None else self._named(task)
 
-    def change(self, project: str, number: int, who: Person, wish: Wish) -> Task:
+    def change(self, project: str, number: int, who: Person, wish: TaskPatch) -> Task:
         """Change the state, assignee or note of a task; see ``rules.fulfilled``."""
         if wish.assignee:
             require_name(wish.assignee)

@@ -9,10 +9,11 @@ from functools import cache, partial
 
 from pointbrush.accounts.roles import Role, includes
 from pointbrush.teamwork.access import COMPARES, Sight
-from pointbrush.teamwork.projects import Change, Project
+from pointbrush.teamwork.projects import Project
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.summaries import Counts, Effort, Figures
-from pointbrush.teamwork.tasks import TaskState
+from pointbrush.values.kinds import TaskState
+from pointbrush.values.projects import ProjectPatch
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
@@ -73,7 +74,9 @@ class Projects:
         people = [replace(each, account=name(each.account)) for each in found.people]
         return replace(found, people=tuple(people))
 
-    def create(self, change: Change, project: str | None, account: str, role: Role) -> Overview:
+    def create(
+        self, change: ProjectPatch, project: str | None, account: str, role: Role
+    ) -> Overview:
         """Create a project, by default with an id derived from its name; raises ConflictError."""
         there = {each.id for each in self._store.team.projects.all()}
         wanted = project or next(name for name in ids_for(change.name or "") if name not in there)
@@ -81,7 +84,7 @@ class Projects:
         self._changed(change)
         return self.get(made.id, account, role)
 
-    def change(self, project: str, change: Change, account: str, role: Role) -> Overview:
+    def change(self, project: str, change: ProjectPatch, account: str, role: Role) -> Overview:
         """Apply a change to a project; raises the errors of the store."""
         self._store.team.projects.change(project, change)
         self._changed(change)
@@ -92,7 +95,7 @@ class Projects:
         self._store.team.projects.remove(project)
         self._store.team.access.forget()
 
-    def _changed(self, change: Change) -> None:
+    def _changed(self, change: ProjectPatch) -> None:
         self._store.team.access.forget()
         for sequence in change.recordings or ():
             self._publish(SequencesChanged(sequence))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,44 +12,12 @@ from pointbrush.errors import NotFoundError
 from pointbrush.labels import Label
 from pointbrush.labels.versions import Moment, PastLabels, Version
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.snapshots import Difference, DifferenceKind, FrameDifference, LabelDifference
 from pointbrush.work.annotate.layers import READ_POINTS
 from pointbrush.work.reviewing.comparing import pairs
 from pointbrush.work.trash import ids_for
 
-Kind = Literal["came", "went", "changed"]
-
-
-@dataclass(frozen=True, slots=True)
-class LabelDifference:
-    """A label that was added, removed or changed (name, category or colour)."""
-
-    label: int
-    name: str
-    kind: Kind
-
-
-@dataclass(frozen=True, slots=True)
-class FrameDifference:
-    """Numbers of points of a frame that got, lost or changed their label; and objects.
-
-    ``objects_came``, ``objects_went``: ids of labels with points in only one of the two.
-    """
-
-    frame: int
-    came: int
-    went: int
-    changed: int
-    objects_came: Sequence[int]
-    objects_went: Sequence[int]
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """Difference of a recording's labels between two versions, without equal labels and frames."""
-
-    sequence: str
-    labels: Sequence[LabelDifference]
-    frames: Sequence[FrameDifference]
+Kind = DifferenceKind
 
 
 class Versions:
@@ -115,8 +82,9 @@ class Versions:
         past = [self._store.at(moment) for moment in moments]
         since = min(moment.revision for moment in moments)
         frames = past[0 if swapped else 1].changed_frames(sequence, since)
-        told = (_frame(sequence, frame, *past) for frame in frames)
-        return Difference(sequence, _labels(*moments), [each for each in told if each is not None])
+        found = (_frame(sequence, frame, *past) for frame in frames)
+        differing = tuple(each for each in found if each is not None)
+        return Difference(sequence, tuple(_labels(*moments)), differing)
 
     def _named(self, version: Version) -> Version:
         return replace(version, author=self._store.accounts.name(version.author))
@@ -158,7 +126,7 @@ def _frame(
     if not came + went + changed:
         return None
     gone, fresh = objects[0] - objects[1] - {0}, objects[1] - objects[0] - {0}
-    return FrameDifference(frame, came, went, changed, sorted(fresh), sorted(gone))
+    return FrameDifference(frame, came, went, changed, tuple(sorted(fresh)), tuple(sorted(gone)))
 
 
 def _seen(past: PastLabels, sequence: str, frame: int) -> Iterator[NDArray[np.uint16]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pointbrush.work.reviewing.box_comparing import BoxAgreement
+from pointbrush.values.review import BoxAgreement
 from pointbrush.work.reviewing.checking import Checked
 from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
 from pointbrush.work.reviewing.comparing import Agreement, By

@@ -15,50 +15,12 @@ from pointbrush.geometry.box_overlap import iou_matrix
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.review import BoxAgreement, BoxScore, ClassAgreement
 from pointbrush.work.reviewing.comparing import require_same_points
 
 Floats = NDArray[np.float64]
 AT = (0.5, 0.7)
 """3D IoU thresholds of equal boxes."""
-
-
-@dataclass(frozen=True, slots=True)
-class BoxScore:
-    """Score of the second recording's boxes against the first's at IoU ``iou`` or more.
-
-    ``ap`` is the area under the precision-recall curve by the boxes' confidence; all 0..1.
-    """
-
-    iou: float
-    ap: float
-    precision: float
-    recall: float
-
-
-@dataclass(frozen=True, slots=True)
-class ClassAgreement:
-    """Agreement of a class, with boxes counted per frame.
-
-    ``mean_iou``: of overlapping pairs, each box in at most one pair; None: no pair.
-    """
-
-    name: str
-    first: int
-    second: int
-    mean_iou: float | None
-    scores: tuple[BoxScore, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class BoxAgreement:
-    """Agreement of boxes by class.
-
-    ``hota``: higher order tracking accuracy (Luiten et al. 2021) by 3D IoU, mean over its
-    thresholds; None without boxes or without the package trackeval.
-    """
-
-    classes: tuple[ClassAgreement, ...]
-    hota: float | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -16,6 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
+from pointbrush.values.review import FrameAgreement
 from pointbrush.work.annotate.layers import KeptAnnotation
 
 Names = Mapping[int, str]
@@ -48,15 +49,6 @@ class LabelAgreement:
     def iou(self) -> float:
         """Return the intersection over union."""
         return self.both / max(1, self.first + self.second - self.both)
-
-
-@dataclass(frozen=True, slots=True)
-class FrameAgreement:
-    """Number of points of a frame that either has labelled, and of differing ones among them."""
-
-    frame: int
-    labelled: int
-    differ: int
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,10 @@ from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.review import BoxAgreement
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
-from pointbrush.work.reviewing.box_comparing import BoxAgreement, compare_boxes
+from pointbrush.work.reviewing.box_comparing import compare_boxes
 from pointbrush.work.reviewing.checking import Checked, Checker
 from pointbrush.work.reviewing.checks.finding import Finding
 from pointbrush.work.reviewing.comparing import Agreement, By

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.teamwork.reviews import Review
+from pointbrush.values.review import ReviewState
 
-State = Literal["open", "review", "accepted", "rejected"]
-STATES: tuple[State, ...] = get_args(State)
+State = ReviewState
+STATES: tuple[State, ...] = get_args(get_args(State)[0])
 """Not reviewed; waiting for a reviewer; accepted or rejected by a reviewer."""
 
 

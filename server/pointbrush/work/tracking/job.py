@@ -254,7 +254,7 @@ class PendingEdit:
             identity=self.identity,
         )
         return {
-            "edit": commit.edit_id,
+            "edit": commit.edit,
             "changed": commit.changed,
             "revision": commit.revision,
             "frames": len(self.results),

@@ -1,17 +1,11 @@
 /** Categories for labels of the open recording: the selection of its project, or all. */
 import { computed, signal } from '@preact/signals';
 import { api } from '../../net/rest';
+import type { OfferedCategories } from '../../protocol/values';
 import { state } from '../../store/state';
 import { attempt, sequencePath } from '../recordings/recordings';
 
-interface Offered {
-  /** The project has selected them: a label gets no other one. */
-  readonly selected: boolean;
-  /** By number. */
-  readonly names: readonly string[];
-}
-
-const ALL: Offered = { selected: false, names: [] };
+const ALL: OfferedCategories = { selected: false, names: [] };
 const offered = signal(ALL);
 
 /** True: labels get only these categories. */
@@ -31,7 +25,7 @@ export async function loadCategories(): Promise<void> {
   offered.value = ALL;
   if (of === undefined) return;
   await attempt('The categories did not load', async () => {
-    const found = await api<Offered>('GET', `${sequencePath(of)}/categories`);
+    const found = await api<OfferedCategories>('GET', `${sequencePath(of)}/categories`);
     if (state.sequence.peek()?.id === of) offered.value = found;
   });
 }

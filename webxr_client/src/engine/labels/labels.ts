@@ -1,20 +1,14 @@
 /** The palette and the timeline: messages of the server, and requests of the user. */
 import { signal } from '@preact/signals';
-import { type ActionParts, actions, type LabelPatch } from '../../store/actions';
+import { type ActionParts, actions } from '../../store/actions';
 import { api } from '../../net/rest';
 import { suggestColor, suggestName } from '../../common/colors';
 import { labelColours } from '../../store/safe-colours';
 import { listed } from '../../store/palette-list';
 import { unpackF32, unpackU16, unpackU32 } from '../../protocol/codec';
 import type { Label, Labels, Timeline } from '../../protocol/messages';
-import {
-  canEdit,
-  type HistoryEntry,
-  isStroke,
-  notify,
-  state,
-  type TimelineRow,
-} from '../../store/state';
+import type { PastEdit, Split } from '../../protocol/values';
+import { canEdit, isStroke, notify, state, type TimelineRow } from '../../store/state';
 import { attempt, sequencePath } from '../recordings/recordings';
 
 // ── the server's messages ──────────────────────────────────────────────────────────────────
@@ -71,7 +65,7 @@ function find(id: number): Label | undefined {
 }
 
 /** Show the change at once; the server's palette replaces it, also when it refuses. */
-async function update(id: number, patch: LabelPatch): Promise<void> {
+async function update(id: number, patch: Partial<Label>): Promise<void> {
   const before = state.palette.peek();
   state.palette.value = before.map((label) => (label.id === id ? { ...label, ...patch } : label));
   await attempt('The label was not changed', async () => {
@@ -129,7 +123,7 @@ function select(id: number): void {
 }
 
 async function history(): Promise<void> {
-  state.history.value = await api<HistoryEntry[]>('GET', `${base()}/edits`);
+  state.history.value = await api<PastEdit[]>('GET', `${base()}/edits`);
 }
 
 export const labelActions = {
@@ -245,7 +239,7 @@ function merge(id: number, into: number): Promise<void> {
 function split(id: number): Promise<void> {
   const frame = state.frame.peek();
   return attempt(`“${nameOf(id)}” was not split`, async () => {
-    const { labels } = await api<{ labels: number[] }>('POST', `${pathOf(id)}/split`, { frame });
+    const { labels } = await api<Split>('POST', `${pathOf(id)}/split`, { frame });
     notify(
       'success',
       `“${nameOf(id)}” split into ${labels.length + 1} parts`,

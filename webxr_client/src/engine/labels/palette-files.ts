@@ -3,6 +3,7 @@ import { signal } from '@preact/signals';
 import type { ActionParts } from '../../store/actions';
 import { saveFile } from '../../net/files';
 import { api } from '../../net/rest';
+import type { AddedLabels, Palette } from '../../protocol/values';
 import { notify, state } from '../../store/state';
 import { attempt, sequencePath } from '../recordings/recordings';
 
@@ -15,16 +16,12 @@ export interface Template {
 /** Palettes of well-known datasets; filled by `actions.labels.loadTemplates`. */
 export const templates = signal<readonly Template[]>([]);
 
-interface PaletteFile {
-  readonly labels: readonly unknown[];
-}
-
 function base(): string {
   return sequencePath(state.sequence.peek()?.id ?? '');
 }
 
 async function loadTemplates(): Promise<void> {
-  const found = await api<Record<string, PaletteFile>>('GET', 'templates');
+  const found = await api<Record<string, Palette>>('GET', 'templates');
   templates.value = Object.entries(found).map(([name, { labels }]) => ({
     name,
     labels: labels.length,
@@ -32,7 +29,7 @@ async function loadTemplates(): Promise<void> {
 }
 
 async function add(body: unknown): Promise<void> {
-  const { added } = await api<{ added: string[] }>('POST', `${base()}/palette`, body);
+  const { added } = await api<AddedLabels>('POST', `${base()}/palette`, body);
   const title = added.length === 0 ? 'All of these labels exist already' : 'Labels added';
   notify(added.length === 0 ? 'info' : 'success', title, added.slice(0, 8).join(', '));
 }
@@ -45,7 +42,7 @@ export function labelsOf(text: string): readonly unknown[] {
   } catch {
     throw new Error('Expected a palette file (JSON), got a file that is not JSON.');
   }
-  const labels = (found as Partial<PaletteFile> | null)?.labels;
+  const labels = (found as Partial<Palette> | null)?.labels;
   if (!Array.isArray(labels) || labels.length === 0) {
     throw new Error('Expected a palette file with "labels", got none.');
   }

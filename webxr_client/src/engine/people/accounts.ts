@@ -1,17 +1,11 @@
 /** Accounts of the workspace for managers, and the requests that change them. */
 import { signal } from '@preact/signals';
 import { api } from '../../net/rest';
+import type { Account, NewToken } from '../../protocol/values';
 import type { Me } from '../../store/types';
 import { attempt } from '../recordings/recordings';
 
 export type Role = Me['role'];
-
-export interface Account {
-  readonly account: string;
-  /** null: none of its tokens is valid. */
-  readonly role: Role | null;
-  readonly tokens: readonly { readonly valid: boolean }[];
-}
 
 /** null until the server has answered. */
 export const accounts = signal<readonly Account[] | null>(null);
@@ -31,7 +25,7 @@ export function isUnknown(name: string): boolean {
 
 async function make(path: string, body: object): Promise<void> {
   await attempt('The token was not created', async () => {
-    const { account, token } = await api<{ account: string; token: string }>('POST', path, body);
+    const { account, token } = await api<NewToken>('POST', path, body);
     newLink.value = { account, link: new URL(`/?token=${token}`, document.baseURI).href };
   });
   await loadAccounts();

@@ -1,6 +1,7 @@
 /** A person's own keys as the server keeps them, for every browser of theirs. */
 import { untracked } from '@preact/signals';
 import { api } from '../../net/rest';
+import type { OwnKeys as KeysAnswer } from '../../protocol/values';
 import { keysToStore, type OwnKeys, ownKeys, takeKeys } from '../../store/own-keys';
 import { state } from '../../store/state';
 import { follow } from '../../store/watch';
@@ -27,7 +28,7 @@ export function followOwnKeys(): () => void {
 }
 
 async function load(): Promise<void> {
-  const { keys } = await api<{ keys: OwnKeys | null }>('GET', PATH);
+  const { keys } = await api<KeysAnswer>('GET', PATH);
   if (keysToStore.peek() !== null) return; // changed during the request
   if (keys !== null) takeKeys(keys);
   else if (Object.keys(ownKeys.peek()).length > 0) await put(ownKeys.peek());

@@ -1,5 +1,6 @@
+import type { ExportFormat } from '../../protocol/values';
 import { describe, expect, it } from 'vitest';
-import { groupFormats, lastExport, rememberExport, type ExportFormat } from './export-formats';
+import { groupFormats, lastExport, rememberExport } from './export-formats';
 import { kept } from '../../store/kept';
 
 function format(name: string, purpose: string, whole_boxes = false): ExportFormat {
@@ -10,6 +11,7 @@ function format(name: string, purpose: string, whole_boxes = false): ExportForma
     purpose,
     cannot_hold: [],
     splits: false,
+    classes: false,
     whole_boxes,
   };
 }

@@ -1,20 +1,7 @@
 /** Export formats of the server, grouped by purpose, and the format that this browser used last. */
+import type { ExportFormat } from '../../protocol/values';
 import { signal, type ReadonlySignal } from '@preact/signals';
 import { keep, kept } from '../../store/kept';
-
-/**
- * An export format as the server offers it; `cannot_hold`: the properties that it loses; `splits`:
- * its frames are for training or for validation; `whole_boxes`: it has the boxes of the labels.
- */
-export interface ExportFormat {
-  readonly format: string;
-  readonly title: string;
-  readonly content: string;
-  readonly purpose: string;
-  readonly cannot_hold: readonly string[];
-  readonly splits: boolean;
-  readonly whole_boxes: boolean;
-}
 
 /** Formats of the server; empty until they are loaded. */
 export const exportFormats = signal<readonly ExportFormat[]>([]);

@@ -1,17 +1,11 @@
 /** Import of a folder with one recording in each entry. */
 import type { Job } from '../../protocol/messages';
+import type { Entry } from '../../protocol/values';
 import { actions } from '../../store/actions';
 import type { ChosenFile, ImportOptions, ImportPart } from '../../store/state';
 import { dropUploads, submit } from './import-requests';
 import { joinImports } from './imports';
 import { commonName, noteJob } from './recordings';
-
-/** An entry of a folder on the server. */
-export interface Entry {
-  readonly name: string;
-  readonly path: string;
-  readonly bytes: number;
-}
 
 const PART = { files: null, path: null, upload: null, found: null, error: '', included: true };
 

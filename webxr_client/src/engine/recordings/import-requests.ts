@@ -1,10 +1,9 @@
 /** Requests of imports: previews, uploads, jobs. */
 import { api, ApiError, upload } from '../../net/rest';
 import type { Job } from '../../protocol/messages';
+import type { Job as RestJob } from '../../protocol/values';
 import type { ChosenFile, ImportOptions, ImportPreview, ImportSource } from '../../store/state';
 import { commonName, jobOf, setUpload } from './recordings';
-
-export type JobAnswer = Omit<Job, 'type' | 'frame'> & { readonly result: unknown };
 
 function formOf(files: readonly ChosenFile[], options: object): FormData {
   const form = new FormData();
@@ -59,7 +58,7 @@ export async function submit(
   id: string,
 ): Promise<Job> {
   const from = source.upload ? { upload: source.upload } : { path: source.path };
-  return jobOf(await api<JobAnswer>('POST', 'sequences', { ...from, ...options, id }));
+  return jobOf(await api<RestJob>('POST', 'sequences', { ...from, ...options, id }));
 }
 
 /** Remove files that were sent for previews and not imported; the server removes them later, too. */

@@ -2,6 +2,7 @@
 import type { ActionParts } from '../../store/actions';
 import { count as shown, plural } from '../../common/format';
 import { api, ApiError } from '../../net/rest';
+import type { Entry, Job as RestJob } from '../../protocol/values';
 import {
   isActive,
   notify,
@@ -19,9 +20,8 @@ import {
   partsOfEntries,
   partsOfFiles,
   takeParts,
-  type Entry,
 } from './import-parts';
-import { dropUploads, previewOf, send, submit, type JobAnswer } from './import-requests';
+import { dropUploads, previewOf, send, submit } from './import-requests';
 import { joinImports } from './imports';
 import { FIRST, importInto } from './projects';
 import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
@@ -76,17 +76,17 @@ async function labels(dry: boolean): Promise<LabelsFound> {
   const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;
   const id = crypto.randomUUID();
   waitedFor.add(id);
-  let job = await send<JobAnswer>(path, files!, {
+  let job = await send<RestJob>(path, files!, {
     id,
     ...(options.by_order && { by_order: true }),
   });
   if (!dry) noteJob(jobOf(job));
   while (isActive(jobOf(job))) {
     await new Promise((done) => setTimeout(done, LOOK));
-    job = await api<JobAnswer>('GET', `jobs/${job.id}`);
+    job = await api<RestJob>('GET', `jobs/${job.id}`);
   }
   if (job.state !== 'done') throw new ApiError('Labels', job.error ?? job.message, 422);
-  return job.result as LabelsFound;
+  return job.result as unknown as LabelsFound;
 }
 
 async function lookForLabels(): Promise<void> {

@@ -1,17 +1,11 @@
+import type { ProjectInfo } from '../../protocol/values';
 import { afterEach, expect, test, vi } from 'vitest';
 import { state, type SequenceSummary } from '../../store/state';
-import {
-  grouped,
-  importInto,
-  moveRecording,
-  NO_CONDITIONS,
-  type Project,
-  search,
-} from './projects';
+import { grouped, importInto, moveRecording, NO_CONDITIONS, search } from './projects';
 import { importActions } from './importing';
 
 const row = (id: string, project: string) => ({ id, project }) as SequenceSummary;
-const project = (id: string) => ({ id, name: id }) as Project;
+const project = (id: string) => ({ id, name: id }) as ProjectInfo;
 const calls: [string, string, string][] = [];
 
 /** A server that answers each request with the same. */

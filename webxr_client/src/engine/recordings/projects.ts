@@ -2,8 +2,7 @@
 import { signal } from '@preact/signals';
 import { api } from '../../net/rest';
 import { actions } from '../../store/actions';
-import type { SequenceOut } from '../../net/early';
-import type { Welcome } from '../../protocol/messages';
+import type { Manifest, ProjectInfo } from '../../protocol/values';
 import { ROLES, state, type SequenceSummary } from '../../store/state';
 import { attempt, rowOf } from './recordings';
 
@@ -20,36 +19,6 @@ export const TASK_WORDS: Readonly<Record<TaskState, string>> = {
   accepted: 'accepted',
 };
 
-export interface Project {
-  readonly id: string;
-  readonly name: string;
-  /** The caller's in it. */
-  readonly role: Welcome['role'];
-  readonly roles: Readonly<Record<string, string>>;
-  /** Numbers of the selected categories; null: all. */
-  readonly categories: readonly number[] | null;
-  readonly recordings: readonly string[];
-  readonly tasks: Counts;
-  /** Tasks by person and state. */
-  readonly people: Readonly<Record<string, Counts>>;
-}
-
-/** Figures of a project; hours are the time of edits. */
-export interface Statistics {
-  readonly points: number;
-  readonly objects: number;
-  readonly hours: number;
-  readonly classes: readonly Figures[];
-  readonly people: readonly { readonly name: string; readonly hours: number }[];
-}
-
-interface Figures {
-  readonly name: string;
-  readonly points: number;
-  readonly objects: number;
-  readonly hours: number;
-}
-
 /** Conditions of a search, by the names of the server's query; "" is none. */
 export interface Conditions {
   readonly class: string;
@@ -62,15 +31,15 @@ export const NO_CONDITIONS: Conditions = { class: '', label: '', person: '', sta
 export const FIRST = 'default';
 
 /** By name; empty until the server has answered. */
-export const projects = signal<readonly Project[]>([]);
+export const projects = signal<readonly ProjectInfo[]>([]);
 /** Id of the project with open settings, or null. */
 export const settled = signal<string | null>(null);
-/** Project that imports go into. */
+/** ProjectInfo that imports go into. */
 export const importInto = signal(FIRST);
 
 export const refreshProjects = (): Promise<void> =>
   attempt('The projects did not load', async () => {
-    projects.value = await api<Project[]>('GET', 'projects');
+    projects.value = await api<ProjectInfo[]>('GET', 'projects');
   });
 
 export function projectPath(id: string): string {
@@ -78,25 +47,25 @@ export function projectPath(id: string): string {
 }
 
 /** The project of the open recording, or null. */
-export function openProject(): Project | null {
+export function openProject(): ProjectInfo | null {
   const id = rowOf(state.sequence.value?.id)?.project;
   return projects.value.find((project) => project.id === id) ?? null;
 }
 
 /** True if the caller's role in a project includes another one. */
-export function may(of: Project | null, least: Project['role']): boolean {
+export function may(of: ProjectInfo | null, least: ProjectInfo['role']): boolean {
   return of !== null && ROLES.indexOf(of.role) >= ROLES.indexOf(least);
 }
 
 export interface Group {
-  readonly project: Pick<Project, 'id' | 'name'> & Partial<Project>;
+  readonly project: Pick<ProjectInfo, 'id' | 'name'> & Partial<ProjectInfo>;
   readonly rows: readonly SequenceSummary[];
 }
 
 /** Return recordings by project; unknown projects are named by their ids. */
 export function grouped(
   rows: readonly SequenceSummary[],
-  known: readonly Project[],
+  known: readonly ProjectInfo[],
 ): readonly Group[] {
   const found = new Map<string, SequenceSummary[]>(known.map(({ id }) => [id, []]));
   for (const row of rows) {
@@ -122,7 +91,7 @@ export async function search(conditions: Conditions): Promise<ReadonlySet<string
     if (value) query.set(name, value);
   }
   if (query.size === 0) return null;
-  const found = await api<SequenceOut[]>('GET', `sequences?${query.toString()}`);
+  const found = await api<Manifest[]>('GET', `sequences?${query.toString()}`);
   return new Set(found.map(({ id }) => id));
 }
 
@@ -133,7 +102,7 @@ export async function createProject(
 ): Promise<string | null> {
   let made: string | null = null;
   await attempt('The project was not made', async () => {
-    made = (await api<Project>('POST', 'projects', { name, recordings })).id;
+    made = (await api<ProjectInfo>('POST', 'projects', { name, recordings })).id;
     importInto.value = made;
   });
   await Promise.all([
@@ -145,11 +114,11 @@ export async function createProject(
 
 /** The first project with a task for an account to label, and the first with one to review. */
 export function nextWork(
-  known: readonly Project[],
+  known: readonly ProjectInfo[],
   account: string,
-): { readonly label: Project | undefined; readonly review: Project | undefined } {
-  const own = ({ people }: Project): Counts => people[account] ?? {};
-  const free = ({ people }: Project): number => people['']?.open ?? 0;
+): { readonly label: ProjectInfo | undefined; readonly review: ProjectInfo | undefined } {
+  const own = ({ people }: ProjectInfo): Counts => people[account] ?? {};
+  const free = ({ people }: ProjectInfo): number => people['']?.open ?? 0;
   const begun = ({ taken = 0, returned = 0, open = 0 }: Counts): number => taken + returned + open;
   const judged = (counts: Counts): number => (counts.done ?? 0) + (counts.review ?? 0);
   return {

@@ -1,10 +1,11 @@
 /** Recordings: the list, export, change, delete. */
 import { actions, type ActionParts } from '../../store/actions';
-import { exportFormats, rememberExport, type ExportFormat } from './export-formats';
+import { exportFormats, rememberExport } from './export-formats';
 import { noteImport } from './imports';
 import { listSequences } from '../../net/early';
 import { api, apiUrl, ApiError } from '../../net/rest';
 import type { Job } from '../../protocol/messages';
+import type { ExportFormat, Job as RestJob } from '../../protocol/values';
 import {
   isActive,
   notify,
@@ -62,10 +63,8 @@ export function setUpload(name: string, next: Upload | null): void {
   state.uploads.value = next ? [...others, next] : others;
 }
 
-export function jobOf(
-  answer: Omit<Job, 'type' | 'frame' | 'owner'> & { owner: string | null },
-): Job {
-  return { ...answer, type: 'job', frame: null, owner: answer.owner ?? '' };
+export function jobOf(answer: RestJob): Job {
+  return { ...answer, type: 'job', frame: null, edit: null, owner: answer.owner ?? '' };
 }
 
 async function refreshSequences(): Promise<void> {
@@ -200,7 +199,7 @@ export const recordingActions = {
     cancelJob: (id, keep = false) =>
       attempt('The job could not be stopped', async () => {
         const query = keep ? '?keep=true' : '';
-        noteJob(jobOf(await api<Parameters<typeof jobOf>[0]>('DELETE', `jobs/${id}${query}`)));
+        noteJob(jobOf(await api<RestJob>('DELETE', `jobs/${id}${query}`)));
       }),
   },
 } satisfies ActionParts;

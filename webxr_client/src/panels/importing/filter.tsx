@@ -1,4 +1,5 @@
 /** Conditions for recordings that only the server can check: labels, people, tasks. */
+import type { ProjectInfo } from '../../protocol/values';
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import {
@@ -8,7 +9,6 @@ import {
   TASK_STATES,
   TASK_WORDS,
   type Conditions,
-  type Project,
 } from '../../engine/recordings/projects';
 import { attempt } from '../../engine/recordings/recordings';
 import { Button } from '../parts/controls';
@@ -104,6 +104,6 @@ function Fields() {
   );
 }
 
-function peopleOf({ roles, people }: Project): readonly string[] {
+function peopleOf({ roles, people }: ProjectInfo): readonly string[] {
   return [...Object.keys(roles), ...Object.keys(people)].filter(Boolean);
 }

@@ -4,11 +4,9 @@ import { useEffect } from 'preact/hooks';
 import {
   type Group,
   nextWork,
-  type Project,
   projectPath,
   projects,
   settled,
-  type Statistics,
   TASK_STATES,
   TASK_WORDS,
   tasksOf,
@@ -17,6 +15,7 @@ import { attempt } from '../../engine/recordings/recordings';
 import { plural, shortCount } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { api } from '../../net/rest';
+import type { ProjectInfo, Statistics } from '../../protocol/values';
 import { actions } from '../../store/actions';
 import { canManage, state, type SequenceSummary } from '../../store/state';
 import { Button } from '../parts/controls';
@@ -48,7 +47,7 @@ export function ProjectHead({ project, rows, shown, onFold }: ProjectHeadProps) 
 }
 
 /** Buttons to the first project of some that has a task to review, and to one to label. */
-export function NextWork({ of, small = false }: { of: readonly Project[]; small?: boolean }) {
+export function NextWork({ of, small = false }: { of: readonly ProjectInfo[]; small?: boolean }) {
   const { label, review } = nextWork(of, state.me.value?.account ?? '');
   return (
     <>
@@ -75,7 +74,7 @@ export function NextWork({ of, small = false }: { of: readonly Project[]; small?
 }
 
 interface ProgressProps {
-  tasks: NonNullable<Project['tasks']>;
+  tasks: NonNullable<ProjectInfo['tasks']>;
   rows: readonly SequenceSummary[];
 }
 

@@ -1,11 +1,12 @@
 /** The strip of cameras beside the cloud: pictures with the frame's points in their labels' colours. */
 import { computed } from '@preact/signals';
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
-import { Lens, type CameraPicture } from '../../cameras/lens';
+import { Lens } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
 import { askedPiece, largeCamera, largeOpacity, outlines, pictures, pointAt, pointAway, pointed, projectedFrame, stripOpen } from '../../cameras/state'; // prettier-ignore
 import { aimAt } from '../../cameras/strip';
 import { apiUrl } from '../../net/rest';
+import type { Camera } from '../../protocol/values';
 import { state } from '../../store/state';
 import { percent } from '../../common/format';
 import { Button, Slider } from '../parts/controls';
@@ -45,7 +46,7 @@ export function CameraPanel() {
   }, [open]);
   if (!open) return null;
   const cameras = found?.cameras ?? [];
-  const sourceOf = ({ name }: CameraPicture): string =>
+  const sourceOf = ({ name }: Camera): string =>
     apiUrl(
       `sequences/${found!.sequence}/frames/${found!.frame}/images/${encodeURIComponent(name)}`,
     );
@@ -68,7 +69,7 @@ export function CameraPanel() {
 }
 
 interface CameraProps {
-  picture: CameraPicture;
+  picture: Camera;
   source: string;
   /** It lies over the cloud. */
   large: boolean;
@@ -157,7 +158,7 @@ function Opacity() {
   );
 }
 
-function rasterOf({ width, height }: CameraPicture, across: number): Projected {
+function rasterOf({ width, height }: Camera, across: number): Projected {
   return new Projected(across, Math.max(1, Math.round((across * height) / width)));
 }
 

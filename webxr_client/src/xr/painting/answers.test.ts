@@ -1,5 +1,5 @@
+import type { Classifier, Place as Question } from '../../protocol/values';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import type { Classifier, Question } from '../../example/model';
 import { classifier, exampleOpen, natural, question } from '../../example/store';
 import { state } from '../../store/state';
 import { Bench } from '../testing/bench';
@@ -8,7 +8,7 @@ import type { TestSource } from '../testing/sources';
 
 const [QUEST, VIVE] = ['meta-quest-touch-plus', 'htc-vive'];
 const PLACE: Question = {
-  sequence: 'a', frame: 0, centre: [0, 0, -3], radius: 0.1, points: 20, runs: [],
+  sequence: 'a', frame: 0, centre: [0, 0, -3], radius: 0.1, points: 20, doubt: 0.5, runs: [],
   classes: ['road', 'wall'],
 }; // prettier-ignore
 const answers: unknown[] = [];

@@ -19,7 +19,7 @@ const [centre, shift] = [new Vector3(), new Vector3()];
 const offered = computed((): Answers | null => {
   const place = question.value;
   if (!place || !answerable.value) return null;
-  const [first, ...second] = place.classes as [string, ...string[]];
+  const [first, ...second] = place.classes as readonly [string, ...string[]];
   const others = classifier.value!.classes.filter((name) => !place.classes.includes(name));
   const named = [...second, ...others, null, first];
   const colours = coloursOf(named.map((name) => name ?? ''), state.palette.value); // prettier-ignore

@@ -4,19 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
-from typing import Literal, get_args
+from typing import get_args
 
-Kind = Literal[
-    "name", "category", "few", "stray", "jump", "unlike", "predicted", "returned",
-    "box_jump", "box_size", "box_overlap", "box_ground", "box_empty", "box_outside",
-    "box_heading",
-]  # fmt: skip
-KINDS: tuple[Kind, ...] = get_args(Kind)
-"""Two labels of one name; labels without a category; a label of few points; points far from their
-object; a track that jumps; a frame unlike its neighbours; points that a classifier labelled without
-being sure; a label that a track found again, in doubt, after it was out of sight.  A box that jumps
-or turns about; boxes of one label and two sizes; that share volume; off the ground; without points;
-points of a label outside its box; a box with an unknown front."""
+from pointbrush.values.review import FindingKind
+
+Kind = FindingKind
+KINDS: tuple[Kind, ...] = get_args(get_args(Kind)[0])
 
 
 @dataclass(frozen=True, slots=True)

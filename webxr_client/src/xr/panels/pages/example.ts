@@ -1,5 +1,6 @@
 /** Page of the palette for label by example: what is predicted, its doubts, applying it. */
-import { coloursOf, type Question, type Tally, talliesOf } from '../../../example/model';
+import type { Place as Question } from '../../../protocol/values';
+import { coloursOf, type Tally, talliesOf } from '../../../example/model';
 import { answerable, answerDoubt, applyPrediction, asking, classifier, classifiers, closeExample, exampleOpen, makeClassifier, natural, openExample, predicted, question, skipDoubt } from '../../../example/store'; // prettier-ignore
 import { percent, plural } from '../../../common/format';
 import { canEdit, state } from '../../../store/state';

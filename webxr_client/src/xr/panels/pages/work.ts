@@ -1,4 +1,5 @@
 /** Page of the palette for tasks: the own one, the one to review, and an export for the desk. */
+import type { Task } from '../../../protocol/values';
 import { lastExport, exportFormats } from '../../../engine/recordings/export-formats';
 import { may, TASK_WORDS } from '../../../engine/recordings/projects';
 import { actions } from '../../../store/actions';
@@ -14,7 +15,6 @@ import {
   nextReview,
   nextTask,
   question,
-  type Task,
   tasks,
   taskWords,
 } from '../../../work/queue';

@@ -1,0 +1,26 @@
+"""All classes of values."""
+
+from __future__ import annotations
+
+import pkgutil
+from importlib import import_module
+
+from pointbrush import values
+from pointbrush.values.base import Body, Complete, Value
+
+BASES = (Value, Body, Complete)
+
+
+def value_classes() -> list[type[Value]]:
+    """Return the classes of all values, by name."""
+    modules = [
+        import_module(f"{values.__name__}.{each.name}")
+        for each in pkgutil.iter_modules(values.__path__)
+    ]
+    found = {
+        kind
+        for module in modules
+        for kind in vars(module).values()
+        if isinstance(kind, type) and issubclass(kind, Value) and kind not in BASES
+    }
+    return sorted(found, key=lambda kind: kind.__name__)

@@ -1,0 +1,176 @@
+"""Imports of recordings and labels, and their previews."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pointbrush.values.base import Body, Rule, Value, integral
+from pointbrush.values.kinds import Name, SequenceName, Uuid
+from pointbrush.values.recordings import Rate
+
+MOST_COLUMNS = 1024
+LARGEST_SCALE = 1e6
+ColumnName = Annotated[str, Rule(min_length=1, max_length=200)]
+Text = Annotated[str, Rule(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
+
+
+@dataclass(frozen=True, slots=True)
+class ImportOptions(Body):
+    """Corrections by a person to an import's files; null: as found in the files."""
+
+    name: Name | None = None
+    """Name of the recording; null: of the file or folder."""
+    fps: Rate | None = None
+    """Frames per second of playback, at most 1000."""
+    format: str | None = None
+    """Format of the files, such as ``ply``; null: detected."""
+    columns: Annotated[tuple[ColumnName, ...], Rule(max_length=MOST_COLUMNS)] | None = None
+    """Meaning of each column of text files, ``-`` to skip one; also one text with commas."""
+    delimiter: str | None = None
+    """Separator of the columns: a name such as ``semicolon``, or one character."""
+    decimal_comma: bool | None = None
+    """Numbers in text files have a decimal comma."""
+    scale: Annotated[float, Rule(gt=0, le=LARGEST_SCALE, allow_inf_nan=False)] | None = None
+    """Metres per unit of the coordinates."""
+    up: Annotated[str, Rule(pattern=r"^\+?(x|y|z|-x|-y|-z)$")] | None = None
+    """Axis of the coordinates that points up, such as ``z`` or ``-y``."""
+    topic: Annotated[str, Rule(min_length=1, max_length=1000)] | None = None
+    """Topic of a bag to read."""
+    poses: Text | None = None
+    """``auto``, ``none``, or the path of a file of poses."""
+    by_order: bool = False
+    """Match files beside the frames by their order instead of their names."""
+    drop_invalid: bool = False
+    """Leave out points without finite coordinates instead of refusing the files."""
+    project: SequenceName = "default"
+    """Id of the project that the recording joins."""
+    id: Uuid | None = None
+    """UUID of the job: a repeated call does not begin another job."""
+
+    @classmethod
+    def prepared(cls, value: Any) -> Any:
+        """Also accept ``columns`` as one text with commas."""
+        if isinstance(value, dict) and isinstance(value.get("columns"), str):
+            value = {**value, "columns": [part.strip() for part in value["columns"].split(",")]}
+        return integral(value)
+
+
+@dataclass(frozen=True, slots=True)
+class ImportRequest(ImportOptions):
+    """Files to import that the server can already read."""
+
+    path: Text | None = None
+    """Path on the server, below one of its allowed folders; or ``upload``."""
+    upload: Annotated[str, Rule(pattern="^[0-9a-f]{32}$")] | None = None
+    """Id of files that were uploaded for a preview; or ``path``."""
+
+
+@dataclass(frozen=True, slots=True)
+class LabelImportOptions(Body):
+    """Choices on how label files are read."""
+
+    format: str | None = None
+    """Format of the label files; null: detected."""
+    map: Annotated[str, Rule(max_length=1 << 20)] | None = None
+    """Names of classes as JSON, YAML, XML of point_labeler, or lines ``number name``."""
+    no_ground: bool = False
+    """Leave the ground inside boxes without the box's label."""
+    by_order: bool = False
+    """Match files to frames by their order instead of their names."""
+    allow_empty: bool = False
+    """Accept files that label nothing."""
+    field: Annotated[str, Rule(min_length=1, max_length=200)] | None = None
+    """Field of the points that holds the labels; null: detected."""
+    boxes: str = "both"
+    """``keep`` boxes, label the ``points`` inside them, or ``both``."""
+    id: Uuid | None = None
+    """UUID of the job: a repeated call does not begin another job."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LabelImportRequest(LabelImportOptions):
+    """Label files that the server can already read."""
+
+    path: Text
+    """Path on the server, below one of its allowed folders."""
+
+
+@dataclass(frozen=True, slots=True)
+class FolderRequest(Body):
+    """A folder on the server."""
+
+    path: Text
+    """Path of the folder, below one of the allowed folders."""
+
+
+@dataclass(frozen=True, slots=True)
+class FolderImport(FolderRequest):
+    """A folder on the server; each file or folder in it is a recording."""
+
+    fps: Rate | None = None
+    """Frames per second of playback; null: as found in the files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry(Value):
+    """A file or folder in a folder on the server."""
+
+    name: str
+    """Name of the entry."""
+    path: str
+    """Path on the server."""
+    bytes: int
+    """Size of the file, or of all files in the folder."""
+
+
+@dataclass(frozen=True, slots=True)
+class Preview(Value):
+    """What an import of files would do."""
+
+    name: str
+    """Name that the recording would get."""
+    format: str
+    """Format of the files."""
+    title: str
+    """Format that people see."""
+    frames: int | None
+    """Number of frames; null: unknown before the whole is read."""
+    fps: float
+    """Frames per second of playback."""
+    fps_from: str
+    """Source of ``fps``."""
+    order: str
+    """Rule that orders the frames."""
+    files: list[dict[str, Any]]
+    """Frame of each file: ``file`` and ``frame``, the first hundred."""
+    points: list[dict[str, int]]
+    """``points`` and points ``left_out`` of the first frames."""
+    columns: list[dict[str, str]]
+    """``name`` and ``meaning`` of each column."""
+    topics: list[dict[str, Any]]
+    """``name``, ``type`` and number of ``messages`` of each topic of a bag."""
+    cameras: list[dict[str, Any]]
+    """``name`` of each camera with pictures."""
+    poses: dict[str, Any] | None
+    """``source`` of the poses, and whether frames ``agree`` by them; null: none."""
+    units: dict[str, Any]
+    """``name`` of the unit, its ``scale`` in metres, and the ``extent`` of the points."""
+    up: str
+    """Axis that points up."""
+    up_from: str
+    """Source of ``up``."""
+    labels: bool
+    """The files contain labels."""
+    corrections: dict[str, Any]
+    """Corrections of the request that take effect."""
+    warnings: list[str]
+    """Sentences about doubtful content."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImportPreview(Preview):
+    """Preview of an import with its uploaded files."""
+
+    upload: str | None = None
+    """Id of the uploaded files, which are kept for an hour; null: files of the server."""

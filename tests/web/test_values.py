@@ -1,0 +1,107 @@
+"""Values of REST are defined once, and every part of the description has a meaning."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Iterator
+from contextlib import closing
+from dataclasses import fields
+from itertools import combinations
+from typing import Any
+
+import pytest
+from fastapi import FastAPI
+from fastapi.routing import APIRoute
+
+from pointbrush.headset_report.model import HeadsetReport
+from pointbrush.settings import Settings
+from pointbrush.values import labels, projects
+from pointbrush.values.base import UNSET, Value
+from pointbrush.values.classes import value_classes
+from pointbrush.web.app import create_app
+from pointbrush.web.routes.headset_checks import KeptHeadsetReport
+from pointbrush.web.strokes import FloorBody, ObjectBody, StrokeBody
+from pointbrush.workspace import Workspace
+
+OF_MESSAGES = (StrokeBody, FloorBody, ObjectBody)
+"""Bodies with samples of a stroke extend messages of the socket, which are defined there."""
+OF_REPORTS = (HeadsetReport, KeptHeadsetReport)
+"""The report of a headset check is a file, which other programs read by its own definition."""
+
+
+DIFFERENT = (("ClassAgreement", "LabelAgreement"), ("ClassFigures", "PersonFigures"))
+"""Counts of boxes and of points, and figures of classes and of people: equal names alone."""
+
+
+@pytest.fixture(scope="module")
+def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
+    settings = Settings(workspace=tmp_path_factory.mktemp("values") / "workspace")
+    with closing(Workspace(settings)) as workspace:
+        yield create_app(workspace, settings)
+
+
+def kinds(annotation: Any) -> Iterator[type]:
+    """Return the classes in an annotation."""
+    parts = typing.get_args(annotation)
+    if not parts and isinstance(annotation, type):
+        yield annotation
+    for part in parts:
+        yield from kinds(part)
+
+
+def test_each_body_and_answer_is_a_value(app: FastAPI) -> None:
+    found: set[type] = set()
+    for route in app.routes:
+        if isinstance(route, APIRoute) and route.include_in_schema:
+            bodies = [each.field_info.annotation for each in route.dependant.body_params]
+            for each in (route.response_model, *bodies):
+                found |= set(kinds(each))
+    classes = {kind for kind in found if kind.__module__.startswith("pointbrush.")}
+    strange = [kind for kind in classes if not issubclass(kind, (Value, *OF_MESSAGES, *OF_REPORTS))]
+    assert len(classes) > 60
+    assert strange == []
+
+
+def parts_without_meaning(description: dict[str, Any]) -> Iterator[str]:
+    """Return the fields and parameters without a description, or without one of an enum value."""
+    for name, schema in description["components"]["schemas"].items():
+        for field, each in schema.get("properties", {}).items():
+            text = each.get("description", "")
+            if not text or any(f"`{value}`" not in text for value in values_of(each)):
+                yield f"{name}.{field}"
+    for path, verbs in description["paths"].items():
+        for verb, call in verbs.items():
+            for each in call.get("parameters", []):
+                schema = each["schema"]
+                parts = (each, schema, *schema.get("anyOf", []))
+                text = " ".join(part.get("description", "") for part in parts)
+                if not text.strip() or any(f"`{v}`" not in text for v in values_of(schema)):
+                    yield f"{verb.upper()} {path}: {each['name']}"
+
+
+def values_of(schema: dict[str, Any]) -> list[str]:
+    options = [schema, *schema.get("anyOf", [])]
+    return [value for option in options for value in option.get("enum", [])]
+
+
+def test_every_field_parameter_and_enum_value_is_described(app: FastAPI) -> None:
+    assert list(parts_without_meaning(app.openapi())) == []
+
+
+def test_no_two_values_share_their_fields_without_containing_each_other() -> None:
+    names = {kind: {(each.name, each.type) for each in fields(kind)} for kind in value_classes()}  # type: ignore[arg-type]
+    alike = [
+        (one.__name__, other.__name__)
+        for one, other in combinations(names, 2)
+        if min(len(names[one]), len(names[other])) >= 4
+        and len(names[one] & names[other]) > max(len(names[one]), len(names[other])) / 2
+        and not (set(one.__mro__) & set(other.__mro__)) - set(Value.__mro__)
+    ]
+    assert alike == list(DIFFERENT)
+
+
+def test_a_change_tells_an_absent_field_from_null() -> None:
+    assert projects.ProjectPatch().given() == {}
+    assert projects.ProjectPatch(categories=None).given() == {"categories": None}
+    assert projects.ProjectPatch().categories is UNSET
+    assert labels.LabelPatch(locked=False).given() == {"locked": False}
