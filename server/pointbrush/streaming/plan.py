@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from pointbrush.streaming.load import Load
 from pointbrush.streaming.rate import SHARE, UNLIMITED, Link, Pace, PageBudget
@@ -31,6 +32,9 @@ PREFETCH_AHEAD, PREFETCH_BEHIND = 4, 1
 BUSY_PAUSE = 0.1
 UP_PERIOD = 0.15
 """Seconds between two steps up by one level; steps down are immediate."""
+
+Known: TypeAlias = Callable[[int], FrameTable | None]
+"""Returns the levels of a frame that is open, and None for another one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,13 +210,8 @@ class Plan:
         if step > self._step + self._had:
             self._had += 1
 
-    def next(
-        self, now: float, known: Callable[[int], FrameTable | None]
-    ) -> Piece | Unopened | None:
-        """Choose the next piece to send, or the frame to open for that; None: nothing to send.
-
-        ``known`` returns the levels of an open frame, and None for another one.
-        """
+    def next(self, now: float, known: Known) -> Piece | Unopened | None:
+        """Choose the next piece to send, or the frame to open for that; None: nothing to send."""
         if self.large:
             return self._next_chunks(now, known)
         for step, frame in self.candidates(now):
@@ -227,9 +226,7 @@ class Plan:
                 return piece
         return None
 
-    def _next_chunks(
-        self, now: float, known: Callable[[int], FrameTable | None]
-    ) -> Piece | Unopened | None:
+    def _next_chunks(self, now: float, known: Known) -> Piece | Unopened | None:
         """Return the root of the shown frame first, then runs of requested chunks."""
         frame = self.focus if self.clock is None else self.clock.due(now)
         root = frame not in self.held
