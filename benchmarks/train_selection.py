@@ -24,7 +24,7 @@ from object_scenes import GENERATED, HELD_OUT, Scene
 from pointbrush.selection.objects import ObjectOptions, ObjectState
 from pointbrush.selection.objects.choosing import propose
 from pointbrush.selection.objects.clicks import place_clicks
-from pointbrush.selection.objects.growing import grow_region
+from pointbrush.selection.objects.growing import Linked, grow_region
 from pointbrush.selection.objects.options import LadderOptions
 from pointbrush.selection.objects.preparing import part_frame
 from pointbrush.selection.objects.state import Parts, state_of
@@ -226,10 +226,10 @@ def grown_rows(one: Example, model: Forest, rng: np.random.Generator) -> Rows:
         seeds = rng.choice(np.flatnonzero(truth == number), 1)
         nothing = np.zeros(len(truth), np.bool_)
         between = one.parts.pieces.between.astype(np.float32)
+        linked = Linked(sums, one.parts.pieces.pairs.astype(np.int32), between)
         order, _, scored, asked = grow_region(
-            sums, one.parts.pieces.pairs.astype(np.int32), between, seeds, nothing,
-            one.parts.size**2, model, GROWN_STEPS, GROWN_SCORED,
-        )  # fmt: skip
+            linked, seeds, nothing, one.parts.size**2, model, GROWN_STEPS, GROWN_SCORED
+        )
         # A region that has left its object says nothing about it.
         size = np.append(sums[seeds, COUNT], sums[order, COUNT])
         own = np.append(True, truth[order] == number)

@@ -71,15 +71,13 @@ def learn(
     shaken = features + shaken * (options.shake * spread).astype(np.float32)
     columns = np.ascontiguousarray(shaken.T)  # a column at a time is looked at
     seeds = rng.integers(1, 2**31, options.trees).tolist()
+    rules = _Rules(count, options.depth, options.fewest, options.tried, options.smoothing)
 
     def grown(tree: int) -> Grown:
         kept = np.flatnonzero(fold != tree % GROUPS)
         held = np.bincount(classes[kept], share[kept], minlength=count)
         weight = share * (len(kept) / max((held > 0).sum(), 1) / np.maximum(held, 1e-12)[classes])
-        return _grow(
-            columns, classes, weight, kept, count, seeds[tree], options.depth, options.fewest,
-            options.tried, options.smoothing,
-        )  # fmt: skip
+        return _grow(_Examples(columns, classes, weight), kept, rules, seeds[tree])
 
     return _joined(_threaded(grown, range(options.trees)))
 
@@ -138,12 +136,31 @@ def _random(state: NDArray[np.uint64]) -> float:
     return float(x >> np.uint64(11)) / 9007199254740992.0
 
 
+class _Examples(NamedTuple):
+    """Features (F, n), classes (n,) and weights (n,) of examples."""
+
+    columns: Features
+    classes: NDArray[np.int64]
+    weight: Floats
+
+
+class _Rules(NamedTuple):
+    """Number of classes, and the ``ForestOptions`` of one tree."""
+
+    kinds: int
+    depth: int
+    fewest: int
+    tried: int
+    smoothing: float
+
+
 @compiled
 def _grow(
-    columns: Features, classes: NDArray[np.int64], weight: Floats, kept: NDArray[np.int64],
-    kinds: int, seed: int, depth: int, fewest: int, tried: int, smoothing: float,
-) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:  # fmt: skip
+    examples: _Examples, kept: NDArray[np.int64], rules: _Rules, seed: int
+) -> tuple[NDArray[np.int16], NDArray[np.float32], NDArray[np.int32], Floats]:
     """Grow one tree of the examples ``kept``; its links count from its own first node and leaf."""
+    columns, classes, weight = examples
+    kinds, depth, fewest, smoothing = rules.kinds, rules.depth, rules.fewest, rules.smoothing
     count = len(kept)
     state = np.array([seed], np.uint64)
     for _ in range(8):
@@ -166,9 +183,7 @@ def _grow(
             totals[classes[order[i]]] += weight[order[i]]
         best, cut = -1, np.float32(0.0)
         if down < depth and stop - first >= 2 * fewest and (totals > 0).sum() > 1:
-            best, cut = _question(
-                columns, classes, weight, order, first, stop, fewest, tried, totals, parts, state
-            )
+            best, cut = _question(examples, order[first:stop], rules, totals, parts, state)
         if best < 0:
             left[node] = leaves
             whole = totals.sum() + smoothing * kinds
@@ -194,21 +209,21 @@ def _grow(
 
 @innermost
 def _question(
-    columns: Features, classes: NDArray[np.int64], weight: Floats, order: NDArray[np.int64],
-    first: int, stop: int, fewest: int, tried: int, totals: Floats, parts: Floats,
+    examples: _Examples, chosen: NDArray[np.int64], rules: _Rules, totals: Floats, parts: Floats,
     state: NDArray[np.uint64],
 ) -> tuple[int, np.float32]:  # fmt: skip
-    """Return the feature and threshold that part examples best, or -1 when none does."""
-    width = len(columns)
+    """Return the feature and threshold that part ``chosen`` examples best, or -1."""
+    columns, classes, weight = examples
+    width, tried = len(columns), rules.tried
     best, cut, most = -1, np.float32(0.0), -1.0
     looked = 0
     for _ in range(3 * tried):
         if looked >= tried:
             break
         f = int(_random(state) * width)
-        low = high = columns[f, order[first]]
-        for i in range(first + 1, stop):
-            value = columns[f, order[i]]
+        low = high = columns[f, chosen[0]]
+        for i in chosen[1:]:
+            value = columns[f, i]
             low, high = min(low, value), max(high, value)
         if not low < high:
             continue
@@ -218,11 +233,11 @@ def _question(
             at = low
         parts[:] = 0.0
         held = 0
-        for i in range(first, stop):
-            if columns[f, order[i]] <= at:
-                parts[classes[order[i]]] += weight[order[i]]
+        for i in chosen:
+            if columns[f, i] <= at:
+                parts[classes[i]] += weight[i]
                 held += 1
-        if min(held, stop - first - held) < fewest:
+        if min(held, len(chosen) - held) < rules.fewest:
             continue
         gain = _purity(totals, parts)
         if gain > most:

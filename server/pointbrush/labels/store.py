@@ -152,18 +152,16 @@ class LabelStore:
         author: str,
         *,
         name: str,
-        category: str = "",
-        color: str | None = None,
         id: int | None = None,
         edit_id: str | None = None,
         distinct: bool = False,
         **fields: Any,
     ) -> Label:
-        """Add a label (also ``locked``, ``visible``); raises ConflictError if ``id`` is taken.
+        """Add a label (also ``category``, ``color``, …); raises ConflictError if ``id`` is taken.
 
         ``distinct``: a name or colour that another label has is replaced by a free one.
         """
-        given = fields | {"name": name, "category": category, "color": color}
+        given = {"category": "", "color": None} | fields | {"name": name}
         number = None if id is None else palette.check_id(id)
         entry = new_entry(edit_id, author, "label", f"create label '{name}'")
         plan = plans.create(entry, number, palette.check_fields(given), distinct)

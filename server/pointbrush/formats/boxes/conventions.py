@@ -121,12 +121,10 @@ def box_by(
     turn: Floats,
     *,
     attributes: Attributes | None = None,
-    margin: float = 0.0,
 ) -> FrameBox:
     """Make a box of the numbers that a tool has for it; ``name`` and ``key`` as of FrameBox."""
     center, own, rotation = CONVENTIONS[tool].decode(place, size, np.atleast_1d(turn))
-    given = attributes or {}
-    return FrameBox(name, key, center, own, rotation, attributes=given, margin=margin)
+    return FrameBox(name, key, center, own, rotation, attributes=attributes or {})
 
 
 def numbers_by(tool: str, box: FrameBox) -> tuple[list[float], list[float], list[float]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from pointbrush.formats.boxes.conventions import box_by, numbers_by
@@ -23,7 +24,7 @@ def read_openpcdet(path: Path) -> Iterator[FrameBoxes]:
     for words in lines_of_words(path, WORDS, WORDS):
         values = vector(words, range(7))
         parts = values[:3], values[3:6], values[6:]
-        boxes.append(box_by("openpcdet", words[7], "", *parts, margin=STEP))
+        boxes.append(replace(box_by("openpcdet", words[7], "", *parts), margin=STEP))
     yield FrameBoxes(None, tuple(boxes))
 
 

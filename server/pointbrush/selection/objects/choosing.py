@@ -7,6 +7,7 @@ the few are offered that clearly differ.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,24 +30,29 @@ Mask = NDArray[np.bool_]
 NOWHERE = np.empty((0, 3))
 
 
+class Scored(NamedTuple):
+    """``masks`` (n, P) of pieces, ``size`` (n,) their cells, and their ``score`` (n,).
+
+    ``alone`` (n,): given by the clicks alone, without an earlier selection.
+    """
+
+    masks: Mask
+    size: NDArray[np.float64]
+    score: NDArray[np.float64]
+    alone: Mask
+
+
 def choose_levels(
-    masks: Mask,
-    size: NDArray[np.float64],
-    score: NDArray[np.float64],
-    kept: int | None,
-    alone: Mask,
-    margin: float,
-    options: LadderOptions,
-    flat: int | None = None,
+    found: Scored, kept: int | None, margin: float, options: LadderOptions, flat: int | None = None
 ) -> list[int]:
     """Choose nested candidates: the one to show, then the others by falling score.
 
-    ``masks`` (n, P) pieces, ``size`` (n,) their cells, ``score`` (n,); ``kept`` the number of
-    what was taken before, which stays among them, and first unless another is better by ``margin``;
-    ``alone`` (n,) those that the clicks alone give: the best of them is offered beside ``kept``,
+    ``kept``: number of the earlier selection, which stays among them, and first unless another is
+    better by ``margin``; the best of the others that the clicks alone give is offered beside it,
     nested or not.  ``flat``: a whole floor, wall or table top, offered in the same way while
     nothing is taken.
     """
+    masks, size, score, alone = found
     order = np.argsort(-score, kind="stable").tolist()
     if kept is None:
         chain = _chain(masks, size, order, options.closest, options.levels)
@@ -220,9 +226,8 @@ def candidates(
     if flat is not None and kept is None:
         found = _widened(found, cells, int(score.argmax()), flat, ladder.spill)
     size = found.unions.masks.astype(np.float64) @ cells
-    chosen = choose_levels(
-        found.unions.masks, size, score, kept, alone, margins[state.sensor], ladder, flat
-    )
+    scored = Scored(found.unions.masks, size, score, alone)
+    chosen = choose_levels(scored, kept, margins[state.sensor], ladder, flat)
     if state.sensor == "camera" and flat is None:
         score = _calibrated(score, float(score[chosen[0]]), ladder)
     if state.sensor == "lidar":

@@ -46,27 +46,36 @@ class _Around(NamedTuple):
     frontier: Ints
 
 
+class Linked(NamedTuple):
+    """Sums of pieces (P, WIDTH), neighbouring ``pairs`` (B, 2), sums (B, PAIR_WIDTH) of borders."""
+
+    sums: Floats
+    pairs: NDArray[np.int32]
+    between: NDArray[np.float32]
+
+
+class _Scorer(NamedTuple):
+    """The model with the ``area`` of a cell; ``row``: features of the last pair that was scored."""
+
+    model: Forest
+    area: float
+    work: Floats
+    row: Floats
+
+
 def grow_region(
-    leaves: Floats,
-    pairs: NDArray[np.int32],
-    between: NDArray[np.float32],
-    seeds: Ints,
-    blocked: Mask,
-    area: float,
-    model: Forest,
-    most: int,
+    pieces: Linked, seeds: Ints, blocked: Mask, area: float, model: Forest, most: int,
     noted: int = 0,
-) -> tuple[Ints, Floats, Floats, Ints]:
+) -> tuple[Ints, Floats, Floats, Ints]:  # fmt: skip
     """Return at most ``most`` pieces added to ``seeds``, in order, and their log odds.
 
-    ``leaves`` (P, WIDTH): sums of pieces; ``blocked`` (P,): pieces that are never added.  The last
-    results are at most ``noted`` scored pairs: rows (S, FEATURES), and (S, 2) the number of pieces
-    added before with the scored piece.
+    ``blocked`` (P,): pieces that are never added.  The last results are at most ``noted`` scored
+    pairs: rows (S, FEATURES), and (S, 2) the number of pieces added before with the scored piece.
     """
-    count = len(leaves)
+    count = len(pieces.sums)
     around = _Around(
-        *neighbours(count, pairs),
-        between,
+        *neighbours(count, pieces.pairs),
+        pieces.between,
         np.zeros((count, PAIR_WIDTH)),
         blocked.copy(),
         np.zeros(count, np.bool_),
@@ -74,7 +83,8 @@ def grow_region(
         np.zeros(count, np.int64),
         np.empty(count, np.int64),
     )
-    return _grow(leaves, around, seeds, area, model, most, noted)
+    scorer = _Scorer(model, area, np.empty((3, WIDTH)), np.empty(FEATURES))
+    return _grow(pieces.sums, around, seeds, scorer, most, noted)
 
 
 @compiled
@@ -113,22 +123,14 @@ def _take_in(piece: int, leaves: Floats, region: Floats, around: _Around, reache
 
 
 @innermost
-def _odds(
-    piece: int,
-    leaves: Floats,
-    region: Floats,
-    around: _Around,
-    area: float,
-    model: Forest,
-    work: Floats,
-    row: Floats,
-) -> float:
-    """Return log odds that a piece and the region are one object; ``row``: gets their features."""
+def _odds(piece: int, leaves: Floats, region: Floats, around: _Around, scorer: _Scorer) -> float:
+    """Return log odds that a piece and the region are one object."""
+    border, area, work, row = around.shared[piece], scorer.area, scorer.work, scorer.row
     if leaves[piece, sums.COUNT] < region[sums.COUNT]:
-        pair_features(leaves[piece], region, around.shared[piece], area, work, row)
+        pair_features(leaves[piece], region, border, area, work, row)
     else:
-        pair_features(region, leaves[piece], around.shared[piece], area, work, row)
-    return answer(model, row)
+        pair_features(region, leaves[piece], border, area, work, row)
+    return answer(scorer.model, row)
 
 
 @compiled
@@ -146,15 +148,9 @@ def _likeliest(waiting: list[tuple[float, int, int]], around: _Around) -> tuple[
 
 @compiled
 def _grow(
-    leaves: Floats,
-    around: _Around,
-    seeds: Ints,
-    area: float,
-    model: Forest,
-    most: int,
-    noted: int,
+    leaves: Floats, around: _Around, seeds: Ints, scorer: _Scorer, most: int, noted: int
 ) -> tuple[Ints, Floats, Floats, Ints]:
-    region, work, row = np.zeros(WIDTH), np.empty((3, WIDTH)), np.empty(FEATURES)
+    region = np.zeros(WIDTH)
     region[sums.LOW : sums.HIGH], region[sums.HIGH :] = np.inf, -np.inf
     rows, asks = np.empty((noted, FEATURES)), np.empty((noted, 2), np.int64)
     order, odds = np.empty(most, np.int64), np.empty(most)
@@ -168,9 +164,9 @@ def _grow(
         for f in range(reached):
             p = around.frontier[f]
             around.asked[p] = False
-            chance = _odds(p, leaves, region, around, area, model, work, row)
+            chance = _odds(p, leaves, region, around, scorer)
             if scored < noted:
-                rows[scored] = row
+                rows[scored] = scorer.row
                 asks[scored, 0], asks[scored, 1] = found, p
                 scored += 1
             around.version[p] += 1

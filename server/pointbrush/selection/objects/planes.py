@@ -37,6 +37,25 @@ class _Bounds(NamedTuple):
     rounds: int
 
 
+class _Field(NamedTuple):
+    """Sums, places and colours of the pieces (P,), and their neighbours; state of the search.
+
+    ``starts`` (P + 1,): start of a piece's neighbours in ``far``; ``plane`` (P,): -1 for none;
+    ``seen`` (P,): number of the last search that met a piece; ``members``: pieces of the current
+    plane, with their ``height`` over it.
+    """
+
+    leaves: Floats
+    place: Floats
+    tint: Floats
+    starts: Ints
+    far: Ints
+    plane: Ints
+    seen: Ints
+    members: Ints
+    height: Floats
+
+
 def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
     """Return the plane (P,) of each piece, -1 for none; ``size`` of the cells, metres."""
     count = pieces.sums[:, sums.COUNT]
@@ -51,22 +70,17 @@ def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
     place = pieces.sums[:, sums.XYZ : sums.SQUARES] / count[:, None]
     tint = pieces.sums[:, sums.LAB : sums.LAB_SQUARES] / count[:, None]
     tint *= (options.lightness, 1, 1)
-    return _planes(pieces.sums, place, tint, starts, far, seeds, bounds)
+    plane, seen, members = (np.full(len(count), -1, np.int64) for _ in range(3))
+    height = np.zeros(len(count))
+    field = _Field(pieces.sums, place, tint, starts, far, plane, seen, members, height)
+    _find(field, seeds, bounds)
+    return plane
 
 
 @compiled
-def _planes(
-    leaves: Floats,
-    place: Floats,
-    tint: Floats,
-    starts: Ints,
-    far: Ints,
-    seeds: Ints,
-    bounds: _Bounds,
-) -> Ints:
-    plane = np.full(len(leaves), -1, np.int64)
-    seen = np.full(len(leaves), -1, np.int64)
-    members, height = np.empty(len(leaves), np.int64), np.empty(len(leaves))
+def _find(field: _Field, seeds: Ints, bounds: _Bounds) -> None:
+    """Write the plane of each piece."""
+    leaves, place, plane, members = field.leaves, field.place, field.plane, field.members
     total, fit = np.empty(sums.WIDTH), np.empty(4)
     found = stamp = 0
     for seed in seeds:
@@ -81,10 +95,7 @@ def _planes(
                 held = 0
                 break
             stamp += 1
-            held = _flood(
-                seed, leaves, place, tint, height, starts, far, plane, seen, stamp, fit, bounds,
-                members,
-            )  # fmt: skip
+            held = _flood(seed, field, stamp, fit, bounds)
             total[:] = leaves[seed]
             for m in members[1:held]:
                 sums.add(total, leaves[m], total)
@@ -95,39 +106,26 @@ def _planes(
             for m in members[:held]:
                 plane[m] = found
             found += 1
-    return plane
 
 
 @innermost
-def _flood(
-    seed: int,
-    leaves: Floats,
-    place: Floats,
-    tint: Floats,
-    height: Floats,
-    starts: Ints,
-    far: Ints,
-    plane: Ints,
-    seen: Ints,
-    stamp: int,
-    fit: Floats,
-    bounds: _Bounds,
-    members: Ints,
-) -> int:
+def _flood(seed: int, field: _Field, stamp: int, fit: Floats, bounds: _Bounds) -> int:
     """Write the pieces on a plane that a seed leads to; their number."""
+    leaves, place, height = field.leaves, field.place, field.height
+    members, seen = field.members, field.seen
     members[0], held, at = seed, 1, 0
     seen[seed] = stamp
     height[seed] = _height(place[seed], fit)
     while at < held:
-        for k in range(starts[members[at]], starts[members[at] + 1]):
-            p = far[k]
-            if seen[p] == stamp or plane[p] >= 0:
+        for k in range(field.starts[members[at]], field.starts[members[at] + 1]):
+            p = field.far[k]
+            if seen[p] == stamp or field.plane[p] >= 0:
                 continue
             seen[p] = stamp
             if _along(leaves[p], fit) < bounds.along or _rough(leaves[p], fit) > bounds.rough:
                 continue
             height[p] = _height(place[p], fit)
-            if _step(p, members[:held], leaves, place, tint, height, bounds) <= 1:
+            if _step(p, members[:held], field, bounds) <= 1:
                 members[held] = p
                 held += 1
         at += 1
@@ -135,19 +133,12 @@ def _flood(
 
 
 @innermost
-def _step(
-    p: int,
-    members: Ints,
-    leaves: Floats,
-    place: Floats,
-    tint: Floats,
-    height: Floats,
-    bounds: _Bounds,
-) -> float:
+def _step(p: int, members: Ints, field: _Field, bounds: _Bounds) -> float:
     """Return the squared step from the members about a piece to it; 1 at the bound.
 
     The step has two parts: the height over the plane and the colour.
     """
+    leaves, place, tint, height = field.leaves, field.place, field.tint, field.height
     raised = red = green = blue = weight = 0.0
     for m in members:
         away = 0.0

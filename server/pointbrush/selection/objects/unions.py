@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pointbrush.compiled import compiled
 from pointbrush.selection.objects import sums
 from pointbrush.selection.objects.clicks import Clicks, Taken
-from pointbrush.selection.objects.growing import grow_region
+from pointbrush.selection.objects.growing import Linked, grow_region
 from pointbrush.selection.objects.options import LadderOptions
 from pointbrush.selection.objects.state import ObjectState
 from pointbrush.selection.objects.weights import Forest
@@ -143,9 +143,8 @@ def _grown(
     barred[seeds] = False
     seeds = np.unique(seeds)
     leaves = state.sums[:count]
-    order, odds = grow_region(
-        leaves, state.pairs, state.between, seeds, barred, state.size**2, model, options.grown
-    )[:2]
+    pieces = Linked(leaves, state.pairs, state.between)
+    order, odds = grow_region(pieces, seeds, barred, state.size**2, model, options.grown)[:2]
     size = leaves[seeds, sums.COUNT].sum() + np.append(0.0, np.cumsum(leaves[order, sums.COUNT]))
     made, ended = np.append(MOST_ODDS, odds), np.append(odds, -MOST_ODDS)
     kept = _settled(size, ended, options.grown_kept)

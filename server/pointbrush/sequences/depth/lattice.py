@@ -91,45 +91,27 @@ class Lattice:
 
     def _bands(self) -> Iterator[Band]:
         step = self.first_step
-        yield from self._cut(0, 0, 0, step, step, 0, vertical=False, step=step)
+        yield from self._cut(Band(0, 0, 0, 0, step, step, 0, False, step))
         level = 1
         while step > 1:
             half = step // 2
-            yield from self._cut(level, 0, half, step, step, half, vertical=False, step=half)
-            yield from self._cut(level + 1, half, 0, step, half, half, vertical=True, step=half)
+            yield from self._cut(Band(level, 0, 0, half, step, step, half, False, half))
+            yield from self._cut(Band(level + 1, half, 0, 0, step, half, half, True, half))
             level, step = level + 2, half
 
-    def _cut(
-        self,
-        level: int,
-        row: int,
-        column: int,
-        down: int,
-        across: int,
-        half: int,
-        *,
-        vertical: bool,
-        step: int,
-    ) -> Iterator[Band]:
-        """The bands of a level; none where it has no pixel."""
-        rows, columns = -(-(self.height - row) // down), -(-(self.width - column) // across)
+    def _cut(self, level: Band) -> Iterator[Band]:
+        """Yield the bands of a whole level, whose ``stop`` is ignored; none if it has no pixel."""
+        rows = -(-(self.height - level.row) // level.down)
+        columns = -(-(self.width - level.column) // level.across)
         if rows <= 0 or columns <= 0:
             return
         strips = -(-rows // STRIP)
         parts = -(-rows * columns // CHUNK_PIXELS)
         for part in range(parts):
-            first, stop = (strips * p // parts * STRIP for p in (part, part + 1))
-            yield Band(
-                level,
-                row + first * down,
-                min(row + stop * down, self.height),
-                column,
-                down,
-                across,
-                half,
-                vertical,
-                step,
+            first, stop = (
+                level.row + strips * p // parts * STRIP * level.down for p in (part, part + 1)
             )
+            yield level._replace(row=first, stop=min(stop, self.height))
 
     def picture_step(self, band: Band) -> int:
         """Distance between the pixels of the picture that a band's colours are in: 1, 2, 8, 32 …

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +13,7 @@ from pointbrush.sequences.depth.codec import Image
 from pointbrush.sequences.depth.lattice import FARTHEST, STRIP, Band, Lattice
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class Found(NamedTuple):
     """Points in a lattice: ``pixel`` (N,) is each one's, row-major.
 
     ``number`` (height, width) is each pixel's point, -1 without one, and ``image`` its depth in
@@ -56,8 +56,8 @@ def find(lattice: Lattice, xyz: NDArray[np.float32]) -> Found | None:
     image = empty_image(lattice)
     axes = (lattice.axis, *lattice.sides)
     ray = (*lattice.tangent, *lattice.pitch, lattice.sign, lattice.unit)
-    fits = _find(xyz, axes, np.array(lattice.eye), ray, pixel, number, image, error)
-    return Found(pixel, number, image, error) if fits else None
+    found = Found(pixel, number, image, error)
+    return found if _find(xyz, axes, np.array(lattice.eye), ray, found) else None
 
 
 @compiled
@@ -66,12 +66,10 @@ def _find(
     axes: tuple[int, int, int],
     eye: NDArray[np.float64],
     ray: tuple[float, float, float, float, float, float],
-    pixel: NDArray[np.int64],
-    number: NDArray[np.int32],
-    image: Image,
-    error: NDArray[np.float64],
+    found: Found,
 ) -> bool:
-    """Fill in the arrays of ``Found``; return False if a point has no separate pixel."""
+    """Fill in the arrays of ``found``; return False if a point has no separate pixel."""
+    pixel, number, image, error = found
     along, across, down = axes
     left, top, right_step, down_step, sign, unit = ray
     height, width = number.shape

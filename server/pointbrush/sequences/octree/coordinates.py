@@ -143,14 +143,12 @@ class Coordinates:
         self, numbers: NDArray[np.int64], words: NDArray[np.uint64], first_word: int
     ) -> NDArray[Any]:
         # Loaded with the first request for points of an octree.
-        from pointbrush.sequences.octree.loops import unpack
+        from pointbrush.sequences.octree.loops import Blocks, unpack
 
         out = np.empty((len(numbers), 3), self._dtype)
         packed, word = self._packed, self._word - first_word if first_word else self._word
-        unpack(
-            *(words, word, self._first, packed.base, packed.bits, numbers),
-            *(self._scaling, out, _patterns(out)),
-        )
+        blocks = Blocks(word, self._first, packed.base, packed.bits, self._scaling)
+        unpack(words, blocks, numbers, out, _patterns(out))
         return out
 
     def _local(self, source: NDArray[Any]) -> NDArray[np.float32]:

@@ -5,7 +5,7 @@ They take long to load; therefore modules import them on first use.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,8 +89,9 @@ def pack(
         for axis in range(3):
             own = values[axis]
             kind = 0
-            if not _whole(source, patterns, start, stop, axis, scaling[:, axis], own, back):
-                _ordinals(patterns, start, stop, axis, own)
+            floats, integers = source[start:stop, axis], patterns[start:stop, axis]
+            if not _whole(floats, integers, scaling[:, axis], own, back):
+                _ordinals(integers, own)
                 kind = FLOATS
             base[block, axis], width = _span(own, stop - start)
             bits[block, axis] = kind + width
@@ -109,9 +110,6 @@ def pack(
 def _whole(
     source: NDArray[np.floating[Any]],
     patterns: NDArray[np.signedinteger[Any]],
-    start: int,
-    stop: int,
-    axis: int,
     scaling: NDArray[np.float64],
     values: NDArray[np.int64],
     back: NDArray[np.floating[Any]],
@@ -124,33 +122,27 @@ def _whole(
     if scale == 0.0:
         return False
     inverse = divisor / scale
-    for place in range(start, stop):
-        value = source[place, axis]
+    for place in range(len(source)):
+        value = source[place]
         whole = np.rint((value - offset) * inverse)
         if not abs(whole) <= _MOST_WHOLE:
             return False
         back[0] = whole * scale / divisor + offset
         if back[0] != value:
             return False
-        if value == 0.0 and patterns[place, axis] != 0:  # of the two zeros the negative one
+        if value == 0.0 and patterns[place] != 0:  # of the two zeros the negative one
             return False
-        values[place - start] = np.int64(whole)
+        values[place] = np.int64(whole)
     return True
 
 
 @innermost
-def _ordinals(
-    patterns: NDArray[np.signedinteger[Any]],
-    start: int,
-    stop: int,
-    axis: int,
-    values: NDArray[np.int64],
-) -> None:
+def _ordinals(patterns: NDArray[np.signedinteger[Any]], values: NDArray[np.int64]) -> None:
     """Fill in the bit patterns of a block's floats as integers in the floats' order."""
     magnitude = np.int64(2 ** (8 * patterns.itemsize - 1) - 1)
-    for place in range(start, stop):
-        pattern = np.int64(patterns[place, axis])
-        values[place - start] = pattern ^ ((pattern >> 63) & magnitude)
+    for place in range(len(patterns)):
+        pattern = np.int64(patterns[place])
+        values[place] = pattern ^ ((pattern >> 63) & magnitude)
 
 
 @innermost
@@ -185,23 +177,33 @@ def _get(words: Words, at: int, width: int) -> np.uint64:
     return np.uint64(value & (~np.uint64(0) >> np.uint64(64 - width)))
 
 
+class Blocks(NamedTuple):
+    """Packed blocks (B,): starts of their words and points; least values and bits (B, 3).
+
+    ``word`` counts from the first of the given words; ``scaling`` (3, 3): see ``pack``.
+    """
+
+    word: NDArray[np.int64]
+    first: NDArray[np.int64]
+    base: NDArray[np.int64]
+    bits: NDArray[np.uint8]
+    scaling: NDArray[np.float64]
+
+
 @compiled
 def unpack(
     words: Words,
-    block_word: NDArray[np.int64],
-    block_first: NDArray[np.int64],
-    base: NDArray[np.int64],
-    bits: NDArray[np.uint8],
+    blocks: Blocks,
     numbers: NDArray[np.int64],
-    scaling: NDArray[np.float64],
     out: NDArray[np.floating[Any]],
     patterns: NDArray[np.signedinteger[Any]],
 ) -> None:
     """Write the source coordinates of points ``numbers`` (K,) into ``out`` (K, 3).
 
-    ``block_word`` (B,) counts from the first of ``words``; ``patterns`` is ``out`` as integers.
-    Points that are adjacent in the order given are found the fastest.
+    ``patterns`` is ``out`` as integers.  Points that are adjacent in the order given are found the
+    fastest.
     """
+    block_word, block_first, base, bits, scaling = blocks
     magnitude = np.int64(2 ** (8 * patterns.itemsize - 1) - 1)
     block = -1
     start = stop = 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,18 +61,11 @@ def encode_cube(
         keep[hand_up(codes)] = False
     nodes = build(codes, np.flatnonzero(keep))
     nodes, parents = _breadth_first(nodes)
+    counts = [len(node.positions) for node in nodes]
+    tree = _Tree(counts, [level + node.depth for node in nodes], parents)
     stored = order[np.concatenate([np.empty(0, np.int64), *(node.positions for node in nodes)])]
-    return _encode(
-        rows,
-        local.take(stored, axis=0),
-        stored,
-        nodes,
-        parents,
-        level,
-        grid,
-        scaling,
-        gather(rows, order[~keep]),
-    )
+    up = gather(rows, order[~keep])
+    return _encode(rows, local.take(stored, axis=0), stored, tree, grid, scaling, up)
 
 
 def _breadth_first(nodes: list[Node]) -> tuple[list[Node], list[int]]:
@@ -81,13 +74,19 @@ def _breadth_first(nodes: list[Node]) -> tuple[list[Node], list[int]]:
     return [nodes[number] for number in order], [place[nodes[n].parent] for n in order]
 
 
+class _Tree(NamedTuple):
+    """Number of points, level and parent of each node, breadth first."""
+
+    counts: list[int]
+    level: list[int]
+    parent: list[int]
+
+
 def _encode(
     rows: Rows,
     xyz: NDArray[np.float32],
     stored: NDArray[np.int64],
-    nodes: list[Node],
-    parents: list[int],
-    level: int,
+    tree: _Tree,
     grid: Grid,
     scaling: NDArray[np.float64],
     up: Rows,
@@ -99,11 +98,10 @@ def _encode(
         grid.intensity_range,
         len(rows),
     ).take(stored, axis=0)
-    counts = [len(node.positions) for node in nodes]
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum(tree.counts)]).astype(np.int64)
     chunks = encode_chunks(xyz, colors, first, grid)
-    chunks.table["level"] = [level + node.depth for node in nodes]
-    chunks.table["parent"] = parents
+    chunks.table["level"] = tree.level
+    chunks.table["parent"] = tree.parent
     if chunks.order is not None:
         stored, xyz = stored.take(chunks.order), xyz.take(chunks.order, axis=0)
     rows = gather(rows, stored)
