@@ -26,7 +26,7 @@ import s3fs
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from pointbrush.sequences import Sequence, import_frames, open_sequence
+from pointbrush.sequences import RecordingInfo, Sequence, import_frames, open_sequence
 from pointbrush.sequences.storage.bucket import Bucket
 from pointbrush.sequences.storage.bucket_files import BucketFiles
 from pointbrush.sequences.storage.file_cache import FileCache
@@ -106,7 +106,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name, store(given.milliseconds):
         folder = Path(name)
         frames = (surface(POINTS, index) for index in range(FRAMES))
-        import_frames(frames, folder / "wall", sequence_id="wall", name="wall", fps=FPS)
+        import_frames(frames, folder / "wall", RecordingInfo("wall", "wall", FPS))
         local = open_sequence(folder / "wall")
         nbytes = sum(file.stat().st_size for file in local.path.rglob("*") if file.is_file())
         print(f"{FRAMES} frames of {POINTS:,} points, {nbytes / FRAMES / 1e6:.2f} MB each")

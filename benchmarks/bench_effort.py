@@ -26,7 +26,7 @@ from annotator import Annotator
 
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "3 pins": ("juggling", {"pins": 3, "label_people": False}),
@@ -59,7 +59,7 @@ def serving(workspace: Path) -> Iterator[httpx.Client]:
 def add(frames: list[PointFrame], fps: float, workspace: Path, name: str) -> None:
     """Import a recording under a name."""
     target = workspace / "sequences" / name
-    import_frames(frames, target, sequence_id=name, name=name, fps=fps)
+    import_frames(frames, target, RecordingInfo(name, name, fps))
 
 
 def create_labels(api: httpx.Client, name: str, recording: Recording) -> None:

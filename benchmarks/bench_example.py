@@ -35,7 +35,7 @@ from scipy.spatial import cKDTree
 from pointbrush.classify.features import ExampleFrame, describe
 from pointbrush.classify.forest import learn
 from pointbrush.classify.options import FeatureOptions, ForestOptions
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush_samples.classes import Classified, classified_room, classified_tile
 
 AT = (10, 20, 40, 80)
@@ -78,7 +78,7 @@ def write(folder: Path, made: dict[str, list[Classified]], up: str) -> None:
         target = folder / "workspace" / "sequences" / name
         target.parent.mkdir(parents=True, exist_ok=True)
         import_frames(
-            (each.frame for each in frames), target, sequence_id=name, name=name, fps=10.0, up=up
+            (each.frame for each in frames), target, RecordingInfo(name, name, 10.0, up=up)
         )
 
 

@@ -23,7 +23,7 @@ from scipy.spatial import cKDTree
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
 from pointbrush.labels.types import PAINTED
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from pointbrush_samples.classes import Classified, classified_tile
@@ -59,7 +59,7 @@ def prepare(root: Path, millions: float) -> None:
     frame, truth = mosaic(millions)
     target = root / "sequences" / NAME
     target.parent.mkdir(parents=True)
-    import_frames(iter([frame]), target, sequence_id=NAME, name=NAME, fps=1.0, up="z")
+    import_frames(iter([frame]), target, RecordingInfo(NAME, NAME, 1.0, up="z"))
     np.save(root / "truth.npy", truth)
 
 

@@ -26,7 +26,7 @@ import numpy as np
 
 from pointbrush.formats import open_source
 from pointbrush.samples import generate
-from pointbrush.sequences import import_frames, import_large, open_sequence
+from pointbrush.sequences import RecordingInfo, import_frames, import_large, open_sequence
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.kdtree import build
 from pointbrush.sequences.octree.grid import GridChooser
@@ -126,8 +126,7 @@ def import_scan(path: Path, target: Path) -> None:
         import_large(
             read_chunks(path, CHUNK),
             target,
-            sequence_id=target.name,
-            name="scan",
+            RecordingInfo(target.name, "scan"),
             total_points=total,
             progress=mark,
         )
@@ -281,7 +280,7 @@ def recording(count: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "recording"
         start, used = time.perf_counter(), time.process_time()
-        import_frames(frames, target, sequence_id="recording", name="recording", fps=30.0)
+        import_frames(frames, target, RecordingInfo("recording", "recording", 30.0))
         seconds, used = time.perf_counter() - start, time.process_time() - used
         disk = sum(file.stat().st_size for file in target.rglob("*") if file.is_file())
     print(f"recording of {count} frames: {count / seconds:.1f} frames/s,", end=" ")

@@ -30,7 +30,7 @@ from chromium import Tab, tab
 
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Write
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -177,7 +177,7 @@ def opening(workspace: Path) -> None:
     """Two recordings in turn, so that each is opened; the first time is not counted."""
     first = workspace / "sequences" / "kinect"
     other = first.with_name("other")
-    import_frames([kinect(0)], other, sequence_id="other", name="other", fps=30.0)
+    import_frames([kinect(0)], other, RecordingInfo("other", "other", 30.0))
     times = []
     with pointbrush(workspace) as url, tab() as page:
         time.sleep(SETTLED)
@@ -226,7 +226,7 @@ def scaled(workspace: Path, name: str, frames: int, labels: int) -> None:
     random = np.random.default_rng(1)
     xyz = random.uniform(-2, 2, (SCALE_POINTS, 3)).astype(np.float32)
     made = (PointFrame(xyz=xyz + np.float32(0.001 * i)) for i in range(frames))
-    import_frames(made, workspace / "sequences" / name, sequence_id=name, name=name, fps=10.0)
+    import_frames(made, workspace / "sequences" / name, RecordingInfo(name, name, 10.0))
     with closing(Workspace(Settings(workspace=workspace))) as opened:
         store = opened.labels
         for number in range(labels):

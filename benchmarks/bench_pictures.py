@@ -28,7 +28,7 @@ from bench_streaming import TOKEN, kinect, pointbrush
 from chromium import Tab, tab
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 
 SIZES = (217_088, 1_000_000)
 FRAMES = 3
@@ -55,7 +55,7 @@ def recording(workspace: Path, points: int) -> None:
         return PointFrame(xyz[:points], rgb=rgb[:points])
 
     import_frames(
-        (frame(seed) for seed in range(FRAMES)), target, sequence_id=target.name, name="", fps=30.0
+        (frame(seed) for seed in range(FRAMES)), target, RecordingInfo(target.name, "", 30.0)
     )
 
 

@@ -13,7 +13,7 @@ from timing import paired, table
 
 from pointbrush.frame import PointFrame
 from pointbrush.selection import Stroke, first_hits, select
-from pointbrush.sequences import import_frames, open_sequence
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
 from pointbrush.work.annotate.painted_frame import frame_points
 
 
@@ -34,7 +34,7 @@ def main() -> None:
     """Print the table."""
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "room"
-        import_frames([room(217_088)], target, sequence_id="room", name="room", fps=30)
+        import_frames([room(217_088)], target, RecordingInfo("room", "room", 30))
         frame = open_sequence(target)[0]
         points, tree = frame_points(frame), frame.kdtree
         xyz = np.ascontiguousarray(frame.xyz)

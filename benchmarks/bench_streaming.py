@@ -33,7 +33,7 @@ sys.path.insert(0, str(ROOT))
 from light_viewer import Drinker, LightViewer, Puller, connect_light  # noqa: E402
 
 from pointbrush.frame import PointFrame  # noqa: E402
-from pointbrush.sequences import import_frames, open_sequence  # noqa: E402
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence  # noqa: E402
 from pointbrush.sequences.storage.manifest import encode_manifest, read_manifest  # noqa: E402
 from pointbrush.streaming.encoding import encode_depth, encode_frame  # noqa: E402
 from tests.streaming.client import Viewer, viewer  # noqa: E402
@@ -68,7 +68,7 @@ def recording(workspace: Path) -> Path:
     made = [kinect(seed) for seed in range(9)]
     target = workspace / "sequences" / "kinect"
     frames = (made[i % len(made)] for i in range(FRAMES))
-    import_frames(frames, target, sequence_id="kinect", name="kinect", fps=FPS)
+    import_frames(frames, target, RecordingInfo("kinect", "kinect", FPS))
     return target
 
 

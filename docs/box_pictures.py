@@ -16,7 +16,7 @@ import httpx
 import numpy as np
 from playwright.sync_api import Browser
 
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush_samples.traffic import TrueTraffic, traffic
 from tests.e2e.desk import Desk, launch
 
@@ -36,7 +36,7 @@ def serving(workspace: Path, made: TrueTraffic) -> Iterator[tuple[httpx.Client, 
     (workspace / "sequences").mkdir(parents=True)
     frames = (replace(one.frame, pose=one.T_room_frame) for one in made.frames)
     target = workspace / "sequences" / "drive"
-    import_frames(frames, target, sequence_id="drive", name="Drive", fps=10.0)
+    import_frames(frames, target, RecordingInfo("drive", "Drive", 10.0))
     command = [sys.executable, "-m", "pointbrush.cli", "serve", "--port", "0"]
     command += ["--workspace", str(workspace)]
     environment = os.environ | {"POINTBRUSH_TOKEN": TOKEN}

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.web.app import create_app
@@ -55,9 +55,7 @@ def add_sequence(
     import_frames(
         (surface(points + 10 * i, i) for i in range(frames)),
         settings.workspace / "sequences" / name,
-        sequence_id=name,
-        name=name,
-        fps=fps,
+        RecordingInfo(name, name, fps),
     )
 
 

@@ -28,7 +28,7 @@ from PIL import Image
 
 from pointbrush.client import Client
 from pointbrush.samples import generate
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests import forked
@@ -184,9 +184,7 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
         import_frames(
             (surface(POINTS, i) for i in range(frames)),
             settings.workspace / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=30.0,
+            RecordingInfo(name, name, 30.0),
         )
     workspace = Workspace(settings)
     for name in given:

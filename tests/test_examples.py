@@ -285,13 +285,13 @@ def documented(page: str, heading: str) -> dict[str, str]:
 USE = """
 import numpy as np
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames, open_sequence
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pathlib import Path
 
 xyz = np.random.default_rng(0).uniform(1, 2, (500, 3)).astype(np.float32)
 frames = (PointFrame(xyz=xyz) for _ in range(3))
-import_frames(frames, Path("still"), sequence_id="still", name="still", fps=30)
+import_frames(frames, Path("still"), RecordingInfo("still", "still", 30))
 recording = open_sequence(Path("still"))
 seeds = [Seed(4, np.arange(100))]
 run = METHODS["stay"]().track(

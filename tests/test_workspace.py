@@ -20,7 +20,7 @@ from pointbrush.errors import (
     NotFoundError,
 )
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.events import Event, Provisional, Retracted
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -46,11 +46,7 @@ def frames() -> Iterator[PointFrame]:
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
     settings = settings_in(tmp_path)
     import_frames(
-        frames(),
-        settings.workspace / "sequences" / SEQUENCE,
-        sequence_id=SEQUENCE,
-        name=SEQUENCE,
-        fps=30,
+        frames(), settings.workspace / "sequences" / SEQUENCE, RecordingInfo(SEQUENCE, SEQUENCE, 30)
     )
     opened = Workspace(settings)
     opened.labels.create_label(SEQUENCE, "ada", name="ball")
@@ -361,7 +357,7 @@ def test_labels_of_files_are_there_after_a_kill_between_import_and_labels(tmp_pa
     folder = settings.workspace / "sequences" / "marked"
     label = np.repeat(np.array([0, 7], np.uint16), [WALL, 600])
     marked = (PointFrame(frame.xyz, label=label) for frame in frames())
-    import_frames(marked, folder, sequence_id="marked", name="marked", fps=30)
+    import_frames(marked, folder, RecordingInfo("marked", "marked", 30))
     for _ in range(2):
         with closing(Workspace(settings)) as workspace:
             assert [entry.name for entry in workspace.labels.palette("marked")] == ["class 7"]

@@ -52,7 +52,7 @@ def curtain(rng: Rng) -> Furniture:
         middle = vec(x, (low + top) / 2, 0.02 * (-1) ** k)
         parts.append(egg(middle, (0.62 * w / folds, (top - low) * 0.62, 0.045), stuff))
     parts.append(
-        rod(vec(-w / 2 - 0.1, top, 0), vec(w / 2 + 0.1, top, 0), 0.014, 0.014, matte(colour(rng)))
+        rod(vec(-w / 2 - 0.1, top, 0), vec(w / 2 + 0.1, top, 0), (0.014, 0.014), matte(colour(rng)))
     )
     return Furniture(tuple(parts), w, 0.1)
 
@@ -69,7 +69,7 @@ def radiator(rng: Rng) -> Furniture:
         return Furniture((block((-w / 2, low, -0.02), (w / 2, low + h, 0.05), white),), w, 0.1)
     ribs = int(w / 0.06)
     xs = [(k + 0.5) * w / ribs - w / 2 for k in range(ribs)]
-    parts = [rod(vec(x, low, 0.01), vec(x, low + h, 0.01), 0.022, 0.022, white) for x in xs]
+    parts = [rod(vec(x, low, 0.01), vec(x, low + h, 0.01), (0.022, 0.022), white) for x in xs]
     return Furniture(tuple(parts), w, 0.1)
 
 
@@ -82,7 +82,7 @@ def door(rng: Rng) -> Furniture:
         block((w / 2, 0, -0.02), (w / 2 + 0.07, h + 0.07, 0.02), frame),
         block((-w / 2, h, -0.02), (w / 2, h + 0.07, 0.02), frame),
         block((-w / 2, 0.005, -0.02), (w / 2, h, 0.005), leaf),
-        rod(vec(w * 0.32, 1.02, 0.05), vec(w * 0.44, 1.02, 0.05), 0.01, 0.01, matte("#8d8f92")),
+        rod(vec(w * 0.32, 1.02, 0.05), vec(w * 0.44, 1.02, 0.05), (0.01, 0.01), matte("#8d8f92")),
     ]
     return Furniture(tuple(parts), w, 0.05)
 

@@ -79,7 +79,7 @@ def _legs(rng: Rng, w: float, d: float, height: float, stuff: Material) -> list[
     x, z = w / 2 - thick, d / 2 - thick
     corners = [(sx * x, sz * z) for sx in (-1, 1) for sz in (-1, 1)]
     if rng.random() < 0.4:
-        return [rod(vec(a, 0, b), vec(a, height, b), thick, thick, stuff) for a, b in corners]
+        return [rod(vec(a, 0, b), vec(a, height, b), (thick, thick), stuff) for a, b in corners]
     return [
         block((a - thick, 0, b - thick), (a + thick, height, b + thick), stuff) for a, b in corners
     ]
@@ -116,11 +116,11 @@ def chair(rng: Rng) -> Furniture:
         block((-w / 2, h + 0.08, -d / 2), (w / 2, h + back, -d / 2 + 0.05), seat, roughness=0.1),
     ]
     if rng.random() < 0.35:
-        parts.append(rod(vec(0, 0.08, 0), vec(0, h - 0.06, 0), 0.03, 0.03, frame))
+        parts.append(rod(vec(0, 0.08, 0), vec(0, h - 0.06, 0), (0.03, 0.03), frame))
         for k in range(5):
             a = 2 * math.pi * k / 5
             tip = vec(0.28 * cos(a), 0.04, 0.28 * sin(a))
-            parts.append(rod(vec(0, 0.09, 0), tip, 0.025, 0.03, frame))
+            parts.append(rod(vec(0, 0.09, 0), tip, (0.025, 0.03), frame))
     else:
         parts += _legs(rng, w, d, h - 0.06, stuff)
     parts += [
@@ -221,8 +221,8 @@ def shelf(rng: Rng) -> Furniture:
 def lamp(rng: Rng) -> Furniture:
     """Return a floor lamp or a coat stand."""
     h, r, stuff = rng.uniform(1.2, 1.8), rng.uniform(0.12, 0.22), matte(colour(rng))
-    shade = rod(vec(0, h - 0.1, 0), vec(0, h + 0.12, 0), r, r * 0.7, matte(colour(rng)))
-    pole = rod(vec(0, 0.02, 0), vec(0, h, 0), 0.015, 0.015, stuff)
+    shade = rod(vec(0, h - 0.1, 0), vec(0, h + 0.12, 0), (r, r * 0.7), matte(colour(rng)))
+    pole = rod(vec(0, 0.02, 0), vec(0, h, 0), (0.015, 0.015), stuff)
     return Furniture((disc((0, 0, 0), 0.15, 0.03, stuff), pole, shade), 2 * r, 2 * r)
 
 
@@ -237,7 +237,7 @@ def plant(rng: Rng) -> Furniture:
         green = matte(["#3d6b34", "#4f7f3c", "#2f5a33"][int(rng.integers(3))], grain=0.3)
         size = rng.uniform(0.04, 0.12)
         parts.append(egg(tip, (size, size * 1.3, 0.02 + size * 0.3), green, roughness=0.3))
-        parts.append(rod(vec(0, pot * 1.7, 0), tip, 0.008, 0.005, green))
+        parts.append(rod(vec(0, pot * 1.7, 0), tip, (0.008, 0.005), green))
     return Furniture(tuple(parts), 2 * pot + 0.2, 2 * pot + 0.2)
 
 
@@ -280,13 +280,13 @@ def clutter(rng: Rng) -> Furniture:
         return Furniture((egg(vec(0, r, 0), (r, r, r), stuff),), 2 * r, 2 * r)
     if kind == 2:
         parts = [disc((0, 0, 0), r, h * 0.6, stuff)]
-        parts += [rod(vec(0, h * 0.55, 0), vec(0, h, 0), r * 0.6, 0.012, stuff)]
+        parts += [rod(vec(0, h * 0.55, 0), vec(0, h, 0), (r * 0.6, 0.012), stuff)]
         return Furniture(tuple(parts), 2 * r, 2 * r)
     if kind == 3:
         w, d, h = rng.uniform(0.15, 0.35), rng.uniform(0.1, 0.25), rng.uniform(0.01, 0.08)
         return Furniture((block((-w / 2, 0, -d / 2), (w / 2, h, d / 2), stuff),), w, d)
     if kind == 4:
-        handle = rod(vec(r, h * 0.2, 0), vec(r + 0.03, h * 0.35, 0), 0.008, 0.008, stuff)
+        handle = rod(vec(r, h * 0.2, 0), vec(r + 0.03, h * 0.35, 0), (0.008, 0.008), stuff)
         return Furniture((disc((0, 0, 0), r, h * 0.5, stuff), handle), 2 * r + 0.06, 2 * r)
     return Furniture((disc((0, 0, 0), r, h, stuff),), 2 * r, 2 * r)
 

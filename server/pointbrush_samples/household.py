@@ -40,9 +40,12 @@ def counter(rng: Rng) -> Furniture:
     if rng.random() < 0.6:
         steel = matte("#9a9c9e")
         parts += [
-            rod(vec(x, h, -d / 2 + 0.08), vec(x, h + 0.25, -d / 2 + 0.08), 0.015, 0.015, steel),
+            rod(vec(x, h, -d / 2 + 0.08), vec(x, h + 0.25, -d / 2 + 0.08), (0.015, 0.015), steel),
             rod(
-                vec(x, h + 0.25, -d / 2 + 0.08), vec(x, h + 0.22, -d / 2 + 0.25), 0.012, 0.01, steel
+                vec(x, h + 0.25, -d / 2 + 0.08),
+                vec(x, h + 0.22, -d / 2 + 0.25),
+                (0.012, 0.01),
+                steel,
             ),
         ]
     else:
@@ -61,7 +64,7 @@ def machine(rng: Rng) -> Furniture:
     else:
         parts.append(block((-0.25, 0.2, d / 2), (0.25, 0.62, d / 2 + 0.012), dark))
         parts.append(
-            rod(vec(-0.25, 0.68, d / 2 + 0.04), vec(0.25, 0.68, d / 2 + 0.04), 0.012, 0.012, dark)
+            rod(vec(-0.25, 0.68, d / 2 + 0.04), vec(0.25, 0.68, d / 2 + 0.04), (0.012, 0.012), dark)
         )
     return Furniture(tuple(parts), w, d, h)
 
@@ -71,7 +74,7 @@ def toilet(rng: Rng) -> Furniture:
     white, tall = matte(WHITE), rng.uniform(0.38, 0.44)
     parts = (
         egg(vec(0, tall * 0.75, 0.08), (0.18, tall * 0.28, 0.24), white),
-        rod(vec(0, 0.02, -0.02), vec(0, tall * 0.6, 0.02), 0.12, 0.14, white),
+        rod(vec(0, 0.02, -0.02), vec(0, tall * 0.6, 0.02), (0.12, 0.14), white),
         egg(
             vec(0, tall, 0.08),
             (0.19, 0.03, 0.24),
@@ -94,12 +97,15 @@ def basin(rng: Rng) -> Furniture:
         block((-w / 2, h - 0.14, -d / 2), (w / 2, h, -d / 2 + 0.12), white),
         egg(vec(0, h - 0.06, 0.02), (w / 2, 0.13, d / 2), white),
         rod(
-            vec(0, h, -d / 2 + 0.06), vec(0, h + 0.12, -d / 2 + 0.12), 0.02, 0.012, matte("#a5a7a9")
+            vec(0, h, -d / 2 + 0.06),
+            vec(0, h + 0.12, -d / 2 + 0.12),
+            (0.02, 0.012),
+            matte("#a5a7a9"),
         ),
     ]
     if rng.random() < 0.5:
         parts.append(
-            rod(vec(0, 0, -d / 2 + 0.12), vec(0, h - 0.14, -d / 2 + 0.12), 0.08, 0.09, white)
+            rod(vec(0, 0, -d / 2 + 0.12), vec(0, h - 0.14, -d / 2 + 0.12), (0.08, 0.09), white)
         )
     else:
         parts.append(
@@ -193,15 +199,13 @@ def armchair(rng: Rng) -> Furniture:
         rod(
             vec(-w / 2 + 0.1, h + 0.14, -d / 2 + 0.1),
             vec(-w / 2 + 0.1, h + 0.1, d / 2 - 0.1),
-            0.1,
-            0.1,
+            (0.1, 0.1),
             stuff,
         ),
         rod(
             vec(w / 2 - 0.1, h + 0.14, -d / 2 + 0.1),
             vec(w / 2 - 0.1, h + 0.1, d / 2 - 0.1),
-            0.1,
-            0.1,
+            (0.1, 0.1),
             stuff,
         ),
         egg(
@@ -237,7 +241,7 @@ def stool(rng: Rng) -> Furniture:
             a = 2 * math.pi * k / 3
             foot = vec(1.2 * r * cos(a), 0.0, 1.2 * r * sin(a))
             parts.append(
-                rod(foot, vec(0.6 * foot[0], h - 0.05, 0.6 * foot[2]), 0.016, 0.016, stuff)
+                rod(foot, vec(0.6 * foot[0], h - 0.05, 0.6 * foot[2]), (0.016, 0.016), stuff)
             )
     return Furniture(tuple(parts), 2.4 * r, 2.4 * r)
 
@@ -261,7 +265,7 @@ def bag(rng: Rng) -> Furniture:
     parts = (
         egg(vec(0, h * 0.45, 0), (w / 2, h * 0.52, d / 2), stuff, roughness=0.3),
         egg(vec(0, h * 0.3, d * 0.4), (w * 0.35, h * 0.25, d * 0.3), stuff, roughness=0.3),
-        rod(vec(-w * 0.2, h * 0.9, 0), vec(w * 0.2, h * 0.95, 0), 0.012, 0.012, stuff),
+        rod(vec(-w * 0.2, h * 0.9, 0), vec(w * 0.2, h * 0.95, 0), (0.012, 0.012), stuff),
     )
     return Furniture(parts, w, d)
 
@@ -280,11 +284,11 @@ def drying_rack(rng: Rng) -> Furniture:
     """Return a coat stand or a rack with clothes over it."""
     w, h, frame = rng.uniform(0.5, 1.0), rng.uniform(0.9, 1.5), matte(colour(rng))
     parts = [
-        rod(vec(sx * w / 2, 0, sz * 0.2), vec(sx * w / 2, h, 0), 0.012, 0.012, frame)
+        rod(vec(sx * w / 2, 0, sz * 0.2), vec(sx * w / 2, h, 0), (0.012, 0.012), frame)
         for sx in (-1, 1)
         for sz in (-1, 1)
     ]
-    parts.append(rod(vec(-w / 2, h, 0), vec(w / 2, h, 0), 0.012, 0.012, frame))
+    parts.append(rod(vec(-w / 2, h, 0), vec(w / 2, h, 0), (0.012, 0.012), frame))
     for _ in range(int(rng.integers(1, 5))):
         x, wide, fall = rng.uniform(-0.35, 0.35) * w, rng.uniform(0.1, 0.25), rng.uniform(0.2, 0.35)
         parts.append(

@@ -96,27 +96,25 @@ class Street:
             long, away = rng.uniform(6, 22), self._walk + rng.uniform(0.5, 9.0)
             kind, stuff = rng.random(), matte(colour(rng))
             if kind < 0.55:
-                self._block(side, away, away + 12, z, z + long, rng.uniform(4, 16), stuff)
+                self._block(side, (away, away + 12), (z, z + long), rng.uniform(4, 16), stuff)
                 for k in range(int(long / 3)):
                     a = z + 1 + 3 * k
                     out = away - rng.uniform(-0.05, 0.3)
-                    self._block(side, out, away + 0.1, a, a + 1.2, 2.2, stuff, 0.9)
+                    self._block(side, (out, away + 0.1), (a, a + 1.2), 2.2, stuff, 0.9)
             elif kind < 0.8:
-                self._block(side, away, away + 0.3, z, z + long, rng.uniform(0.8, 2.2), stuff)
+                self._block(side, (away, away + 0.3), (z, z + long), rng.uniform(0.8, 2.2), stuff)
             z += long + rng.uniform(0.0, 6.0)
 
     def _block(
         self,
         side: int,
-        near: float,
-        far: float,
-        z0: float,
-        z1: float,
+        x: tuple[float, float],
+        z: tuple[float, float],
         height: float,
         stuff: Material,
         low: float = 0.0,
     ) -> None:
-        x0, x1 = sorted((side * near, side * far))
+        (x0, x1), (z0, z1) = sorted(side * each for each in x), z
         self.solids.append(block((x0, low, z0), (x1, low + height, z1), stuff))
 
     def _parked(self, side: int) -> None:
@@ -219,11 +217,13 @@ def pedestrian(rng: Rng) -> list[Solid]:
     shirt, trousers, skin = matte(colour(rng)), matte(colour(rng)), matte("#c99b7d")
     parts = [
         egg(vec(0, 1.62, 0) * s, (0.1 * s, 0.13 * s, 0.11 * s), skin),
-        rod(vec(0, 0.95, 0) * s, vec(0, 1.36, 0) * s, 0.17 * s, 0.19 * s, shirt, depth=0.7),
-        rod(vec(-0.1, 0.9, 0) * s, vec(-0.1, 0.06, stride) * s, 0.09 * s, 0.06 * s, trousers),
-        rod(vec(0.1, 0.9, 0) * s, vec(0.1, 0.06, -stride) * s, 0.09 * s, 0.06 * s, trousers),
-        rod(vec(-0.23, 1.4, 0) * s, vec(-0.28, 0.85, -stride) * s, 0.055 * s, 0.045 * s, shirt),
-        rod(vec(0.23, 1.4, 0) * s, vec(0.28, 0.85, stride) * s, 0.055 * s, 0.045 * s, shirt),
+        rod(
+            vec(0, 0.95, 0) * s, vec(0, 1.36, 0) * s, (0.17 * s, 0.19 * s), shirt, flat=(0.7, None)
+        ),
+        rod(vec(-0.1, 0.9, 0) * s, vec(-0.1, 0.06, stride) * s, (0.09 * s, 0.06 * s), trousers),
+        rod(vec(0.1, 0.9, 0) * s, vec(0.1, 0.06, -stride) * s, (0.09 * s, 0.06 * s), trousers),
+        rod(vec(-0.23, 1.4, 0) * s, vec(-0.28, 0.85, -stride) * s, (0.055 * s, 0.045 * s), shirt),
+        rod(vec(0.23, 1.4, 0) * s, vec(0.28, 0.85, stride) * s, (0.055 * s, 0.045 * s), shirt),
     ]
     if rng.random() < 0.3:
         parts.append(egg(vec(0, 1.2, -0.2) * s, (0.16 * s, 0.24 * s, 0.12 * s), shirt))
@@ -244,19 +244,19 @@ def cyclist(rng: Rng) -> list[Solid]:
         for z in (-0.52, 0.52)
     ]
     parts += [
-        rod(vec(0, 0.4, -0.4), vec(0, 0.85, 0.1), 0.04, 0.04, frame),
-        rod(vec(0, 0.35, 0.5), vec(0, 1.0, 0.4), 0.03, 0.03, frame),
-        rod(vec(-0.28, 1.0, 0.36), vec(0.28, 1.0, 0.36), 0.02, 0.02, frame),
+        rod(vec(0, 0.4, -0.4), vec(0, 0.85, 0.1), (0.04, 0.04), frame),
+        rod(vec(0, 0.35, 0.5), vec(0, 1.0, 0.4), (0.03, 0.03), frame),
+        rod(vec(-0.28, 1.0, 0.36), vec(0.28, 1.0, 0.36), (0.02, 0.02), frame),
     ]
     if rng.random() < 0.8:
         shirt = matte(colour(rng))
         parts += [
-            rod(vec(0, 0.95, -0.2), vec(0, 1.4, 0.05), 0.17, 0.19, shirt, depth=0.8),
+            rod(vec(0, 0.95, -0.2), vec(0, 1.4, 0.05), (0.17, 0.19), shirt, flat=(0.8, None)),
             egg(vec(0, 1.66, 0.12), (0.11, 0.14, 0.12), matte("#c99b7d")),
-            rod(vec(-0.1, 0.9, -0.15), vec(-0.12, 0.3, 0.1), 0.09, 0.06, shirt),
-            rod(vec(0.1, 0.9, -0.15), vec(0.12, 0.4, 0.05), 0.09, 0.06, shirt),
-            rod(vec(-0.2, 1.35, 0.05), vec(-0.25, 1.02, 0.35), 0.05, 0.04, shirt),
-            rod(vec(0.2, 1.35, 0.05), vec(0.25, 1.02, 0.35), 0.05, 0.04, shirt),
+            rod(vec(-0.1, 0.9, -0.15), vec(-0.12, 0.3, 0.1), (0.09, 0.06), shirt),
+            rod(vec(0.1, 0.9, -0.15), vec(0.12, 0.4, 0.05), (0.09, 0.06), shirt),
+            rod(vec(-0.2, 1.35, 0.05), vec(-0.25, 1.02, 0.35), (0.05, 0.04), shirt),
+            rod(vec(0.2, 1.35, 0.05), vec(0.25, 1.02, 0.35), (0.05, 0.04), shirt),
         ]
     return parts
 
@@ -270,7 +270,7 @@ def pole(rng: Rng) -> list[Solid]:
         s = rng.uniform(0.25, 0.5)
         parts.append(block((-s, h - 2 * s, 0.05), (s, h, 0.09), matte("#d8d4cc")))
     elif kind < 0.7 and h > 4:
-        parts.append(rod(vec(0, h, 0), vec(rng.uniform(0.8, 2.2), h + 0.3, 0), r, r, steel))
+        parts.append(rod(vec(0, h, 0), vec(rng.uniform(0.8, 2.2), h + 0.3, 0), (r, r), steel))
     return parts
 
 
@@ -278,7 +278,7 @@ def tree(rng: Rng) -> list[Solid]:
     """Return a tree: a trunk and a crown that rays enter."""
     h, r = rng.uniform(1.5, 3.5), rng.uniform(0.08, 0.3)
     bark, leaf = matte("#5b4a3a"), matte("#4f6b38", grain=0.3)
-    parts = [rod(vec(0, 0, 0), vec(draw_normal(rng, 0.15), h + 1, 0), r, r * 0.7, bark)]
+    parts = [rod(vec(0, 0, 0), vec(draw_normal(rng, 0.15), h + 1, 0), (r, r * 0.7), bark)]
     size = rng.uniform(0.8, 2.2)
     for _ in range(int(rng.integers(3, 8))):
         at = vec(*draw_normal(rng, size * 0.5, 3)) + vec(0, h + size, 0)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.formats import EXPORTS, read
 from pointbrush.formats.registry import BUILT_IN, format_by_name
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.conservation.outputs import READERS, Columns
@@ -36,7 +36,7 @@ def exported(
     source = SOURCES[name]
     source.write(folder / name, coordinates(far=source.far), source.columns)
     place = folder / "ws" / "sequences" / "scan"
-    import_frames(read(folder / name), place, sequence_id="scan", name="Scan", fps=10.0)
+    import_frames(read(folder / name), place, RecordingInfo("scan", "Scan", 10.0))
     with closing(Workspace(Settings(workspace=folder / "ws"))) as workspace:
         label = workspace.labels.create_label("scan", "ann", name="oak", category="tree").id
         painted = np.full(COUNT, label, np.uint16)

@@ -11,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
 from pointbrush.formats import read
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.e2e.chromium import COMPOSED, EXECUTABLE, FLAGS
 from tests.e2e.desk import Desk, launch
 from tests.e2e.headset import QUEST, Headset, Wear, wear
@@ -36,11 +36,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("template") / "workspace"
     (folder / "sequences").mkdir(parents=True)
     import_frames(
-        read(DATA),
-        folder / "sequences" / SEQUENCE,
-        sequence_id=SEQUENCE,
-        name="Juggling",
-        fps=30.0,
+        read(DATA), folder / "sequences" / SEQUENCE, RecordingInfo(SEQUENCE, "Juggling", 30.0)
     )
     complete(folder)
     return folder

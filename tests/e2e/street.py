@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw
 
 from pointbrush.formats.cameras.pictures import Camera, Picture, PictureSource
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 
 FRAMES, SHOWN = 5, 2
 WIDTH, HEIGHT = 480, 270
@@ -93,9 +93,7 @@ def make_street(sequences: Path) -> None:
     import_frames(
         (PointFrame(seen(i).astype(np.float32), COLORS, pose=pose(i)) for i in range(FRAMES)),
         sequences / "street",
-        sequence_id="street",
-        name="Street",
-        fps=5.0,
+        RecordingInfo("street", "Street", 5.0),
         pictures=PictureSource((CAMERA,), pictures),
     )
 

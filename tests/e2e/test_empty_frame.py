@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.e2e.desk import Desk
 from tests.serving import surface
 
@@ -22,9 +22,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     import_frames(
         iter([surface(3_000, 0), nothing, surface(3_000, 2)]),
         folder / "sequences" / "gap",
-        sequence_id="gap",
-        name="Gap",
-        fps=10.0,
+        RecordingInfo("gap", "Gap", 10.0),
     )
     return folder
 

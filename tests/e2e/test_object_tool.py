@@ -11,7 +11,7 @@ import numpy as np
 from playwright.sync_api import Browser
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.e2e.desk import Desk, launch
 from tests.e2e.geometry import overlaps
 from tests.e2e.recording import PERSON, PIN, SEQUENCE, Truth, name_person, painted
@@ -238,9 +238,7 @@ def odd_workspace(folder: Path) -> Path:
     import_frames(
         (PointFrame(frame, colour) for frame, colour in zip(frames, grey, strict=True)),
         folder / "sequences" / "odd",
-        sequence_id="odd",
-        name="Odd",
-        fps=10.0,
+        RecordingInfo("odd", "Odd", 10.0),
     )
     return folder
 

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser
 from pointbrush.formats import read
 from pointbrush.frame import PointFrame
 from pointbrush.samples.aerial import BUILDING, aerial_tile
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush_samples.scanning import room_scan
 from pointbrush_samples.street import street
 from tests.conftest import SHARED
@@ -44,7 +44,7 @@ def template(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "sequences").mkdir(parents=True)
     for name, frames in recordings():
         target = folder / "sequences" / name
-        import_frames(frames, target, sequence_id=name, name=name, fps=1.0)
+        import_frames(frames, target, RecordingInfo(name, name, 1.0))
     return folder
 
 

@@ -15,7 +15,7 @@ from PIL import Image
 from playwright.sync_api import Browser
 
 from pointbrush.formats import read
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.e2e.headset import Headset, wear
 from tests.e2e.server import LiveServer
 
@@ -43,7 +43,7 @@ def street(tmp_path: Path) -> Iterator[LiveServer]:
     (workspace / "sequences").mkdir(parents=True)
     frames = read(tmp_path / "street")
     target = workspace / "sequences" / "street"
-    import_frames(frames, target, sequence_id="street", name="Street", fps=10.0)
+    import_frames(frames, target, RecordingInfo("street", "Street", 10.0))
     server = LiveServer(workspace)
     server.start()
     yield server

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import FRAMES, SEQUENCE, Person
 from tests.faults.replay import Replay
@@ -56,9 +56,7 @@ def make_workspace(workspace: Path) -> None:
     import_frames(
         (frame(i) for i in range(FRAMES)),
         workspace / "sequences" / SEQUENCE,
-        sequence_id=SEQUENCE,
-        name=SEQUENCE,
-        fps=10,
+        RecordingInfo(SEQUENCE, SEQUENCE, 10),
     )
 
 

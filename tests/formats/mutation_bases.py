@@ -22,7 +22,7 @@ from pointbrush.formats.boxes.writing import BOX_WRITERS
 from pointbrush.formats.times.matching import Origin
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.geometry.quaternions import quaternion_of
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.conftest import SHARED
 from tests.formats import (
     test_bags,
@@ -101,8 +101,7 @@ def recording(kind: str) -> Path:
         frames = frames_of([])
         named = [Origin(f"{frame.name}.pcd") for frame in frames]
         points = [replace(p, timestamp=f.time) for p, f in zip(points, frames, strict=True)]
-    about = {"sequence_id": "fuzz", "name": "fuzz", "fps": 10}
-    import_frames(points, folder / "recording", origins=named, **about)
+    import_frames(points, folder / "recording", RecordingInfo("fuzz", "fuzz", 10, origins=named))
     return folder / "recording"
 
 

@@ -18,7 +18,7 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -92,7 +92,7 @@ def test_a_stroke_and_a_read_wait_for_few_round_trips(
 ) -> None:
     place = tmp_path / "ws"
     xyz = np.random.default_rng(0).uniform(-1, 1, (POINTS, 3)).astype(np.float32)
-    import_frames([PointFrame(xyz)], place / "sequences" / "s", sequence_id="s", name="s", fps=1.0)
+    import_frames([PointFrame(xyz)], place / "sequences" / "s", RecordingInfo("s", "s", 1.0))
     parts = urlsplit(postgres_url)
     url = postgres_url.replace(f":{parts.port}/", f":{proxy.port}/")
     with closing(Workspace(Settings(workspace=place, database=url))) as workspace:

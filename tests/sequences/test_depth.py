@@ -13,7 +13,7 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
-from pointbrush.sequences import Manifest, Sequence, import_frames, open_sequence
+from pointbrush.sequences import Manifest, RecordingInfo, Sequence, import_frames, open_sequence
 from pointbrush.sequences.depth.finding import find_lattice
 from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
@@ -24,7 +24,7 @@ from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
 
 
 def put(frames: list[PointFrame], path: Path) -> Sequence:
-    import_frames(frames, path, sequence_id="s", name="s", fps=30.0)
+    import_frames(frames, path, RecordingInfo("s", "s", 30.0))
     return open_sequence(path)
 
 

@@ -24,6 +24,7 @@ from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.samples import generate
 from pointbrush.sequences import (
     Manifest,
+    RecordingInfo,
     clean_temporary,
     import_frames,
     open_sequence,
@@ -57,7 +58,7 @@ def frame(count: int, seed: int = 0, far: float = 0.0, dtype: type = np.float32)
 
 
 def put(frames: list[PointFrame] | Iterator[PointFrame], target: Path) -> Manifest:
-    return import_frames(frames, target, sequence_id="s", name="A recording", fps=30.0)
+    return import_frames(frames, target, RecordingInfo("s", "A recording", 30.0))
 
 
 def test_everything_comes_back_in_source_order(tmp_path: Path) -> None:
@@ -66,12 +67,9 @@ def test_everything_comes_back_in_source_order(tmp_path: Path) -> None:
     manifest = import_frames(
         iter(frames),
         tmp_path / "s",
-        sequence_id="s",
-        name="A recording",
-        fps=30.0,
+        RecordingInfo("s", "A recording", 30.0, source="there"),
         total=7,
         progress=lambda fraction, message: said.append((fraction, message)),
-        source="there",
     )
     sequence = open_sequence(tmp_path / "s")
     assert sequence.manifest == manifest
@@ -284,13 +282,11 @@ def test_cancelling_and_no_frames_leave_nothing(tmp_path: Path) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        import_frames(
-            [frame(10)], tmp_path / "s", sequence_id="s", name="n", fps=1, progress=cancel
-        )
+        import_frames([frame(10)], tmp_path / "s", RecordingInfo("s", "n", 1), progress=cancel)
     with pytest.raises(BadInputError, match="at least one frame"):
         put([], tmp_path / "s")
     with pytest.raises(BadInputError, match="positive"):
-        import_frames([frame(10)], tmp_path / "s", sequence_id="s", name="n", fps=float("nan"))
+        import_frames([frame(10)], tmp_path / "s", RecordingInfo("s", "n", float("nan")))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -321,7 +317,7 @@ def import_slowly(target: Path) -> None:
             print("frame", flush=True)
             time.sleep(0.02)
 
-    import_frames(frames(), target, sequence_id="s", name="n", fps=30)
+    import_frames(frames(), target, RecordingInfo("s", "n", 30))
 
 
 def test_a_killed_import_leaves_no_sequence_and_is_swept(tmp_path: Path) -> None:

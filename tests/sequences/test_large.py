@@ -15,6 +15,7 @@ from pointbrush.errors import BadInputError, CancelledError, DamagedError, TooLa
 from pointbrush.frame import PointFrame, Scaling
 from pointbrush.sequences import (
     Manifest,
+    RecordingInfo,
     StoredFrame,
     import_frames,
     import_large,
@@ -61,7 +62,7 @@ def site(count: int, seed: int = 0, far: float = 0.0, dtype: type = np.float64) 
 
 
 def put(parts: Iterator[PointFrame] | list[PointFrame], target: Path) -> Manifest:
-    return import_large(parts, target, sequence_id="s", name="Scan")
+    return import_large(parts, target, RecordingInfo("s", "Scan"))
 
 
 def assert_octree(stored: StoredFrame, manifest: Manifest, node_points: int) -> None:
@@ -97,8 +98,7 @@ def test_every_point_once_and_exact(
     manifest = import_large(
         importer.split(whole),
         tmp_path / "s",
-        sequence_id="s",
-        name="Scan",
+        RecordingInfo("s", "Scan"),
         total_points=60_000,
         progress=lambda fraction, _: said.append(fraction),
     )
@@ -229,7 +229,7 @@ def test_a_frame_that_fits_is_stored_as_usual(tmp_path: Path, small_limits: None
 
 def test_a_sequence_may_hold_large_frames(tmp_path: Path, small_limits: None) -> None:
     frames = [site(30_000, 1), site(500, 2), site(25_000, 3)]
-    manifest = import_frames(frames, tmp_path / "s", sequence_id="s", name="n", fps=1)
+    manifest = import_frames(frames, tmp_path / "s", RecordingInfo("s", "n", 1))
     assert manifest.large
     sequence = open_sequence(tmp_path / "s")
     assert [sequence[i].large for i in range(3)] == [True, False, True]
@@ -263,7 +263,7 @@ def test_cancelling_at_any_stage_leaves_nothing(
 
     with pytest.raises(CancelledError):
         import_large(
-            importer.split(site(30_000)), tmp_path / "s", sequence_id="s", name="n", progress=cancel
+            importer.split(site(30_000)), tmp_path / "s", RecordingInfo("s", "n"), progress=cancel
         )
     assert list(tmp_path.iterdir()) == []
 

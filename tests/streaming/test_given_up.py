@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.serving import Served, serving, settings_in, surface
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
@@ -23,9 +23,7 @@ def served(tmp_path: Path) -> Iterator[Served]:
     import_frames(
         iter([surface(2_000, 0), nothing]),
         settings.workspace / "sequences" / "wall",
-        sequence_id="wall",
-        name="wall",
-        fps=30.0,
+        RecordingInfo("wall", "wall", 30.0),
     )
     with serving(settings) as running:
         running.workspace.labels.create_label("wall", "somebody", name="pin")

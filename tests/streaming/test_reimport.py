@@ -9,7 +9,7 @@ import httpx
 import numpy as np
 import pytest
 
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.events import SequencesChanged
 from tests.serving import Served, serving, settings_in, surface
 from tests.streaming.acting import run
@@ -24,9 +24,7 @@ def put_in_place(served: Served, seed: int) -> None:
     import_frames(
         (surface(POINTS, seed + i) for i in range(FRAMES)),
         workspace.library.folder / "wall",
-        sequence_id="wall",
-        name="wall",
-        fps=30.0,
+        RecordingInfo("wall", "wall", 30.0),
     )
     workspace.labels.recordings.register("wall", [POINTS] * FRAMES)
     workspace.labels.create_label("wall", "somebody", name=f"pin {seed}")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pointbrush.sequences import Sequence, import_frames, open_sequence
+from pointbrush.sequences import RecordingInfo, Sequence, import_frames, open_sequence
 from pointbrush.sequences.depth.images import decode_depth
 from tests.depth_camera import depth_camera
 from tests.serving import Served, serving, settings_in
@@ -24,11 +24,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     first, other = depth_camera(0), depth_camera(1)
     frames = [first, replace(other, xyz=other.xyz + np.float32(0.0007))]
     import_frames(
-        frames,
-        settings.workspace / "sequences" / "camera",
-        sequence_id="camera",
-        name="camera",
-        fps=30.0,
+        frames, settings.workspace / "sequences" / "camera", RecordingInfo("camera", "camera", 30.0)
     )
     with serving(settings) as running:
         yield running

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pointbrush.client import AsyncClient, Client, HeldOut, Place, Recording
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.serving import Served, serving, settings_in
 
 FLAT, TALL = 2000, 1000
@@ -36,9 +36,9 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     settings = settings_in(tmp_path_factory.mktemp("served"))
     folder = settings.workspace / "sequences" / "hall"
     folder.parent.mkdir(parents=True)
-    import_frames([scene(0), scene(1)], folder, sequence_id="hall", name="hall", fps=1.0)
+    import_frames([scene(0), scene(1)], folder, RecordingInfo("hall", "hall", 1.0))
     yard = folder.with_name("yard")
-    import_frames([scene(2)], yard, sequence_id="yard", name="yard", fps=1.0)
+    import_frames([scene(2)], yard, RecordingInfo("yard", "yard", 1.0))
     with serving(settings) as running:
         yield running
 

@@ -7,7 +7,6 @@ import uuid
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import httpx
 import laspy
@@ -17,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames, importer, source_order
+from pointbrush.sequences import RecordingInfo, import_frames, importer, source_order
 from pointbrush.work.annotate import layers
 from pointbrush.work.exporting import source_columns
 from tests.serving import Served, serving, settings_in
@@ -43,15 +42,14 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """The same frame as ``whole`` and, an octree in blocks of 5,000 points, as ``large``."""
     settings = settings_in(tmp_path_factory.mktemp("large"))
     folder = settings.workspace / "sequences"
-    about: dict[str, Any] = {"name": "scan", "fps": 1.0}
-    import_frames([scan()], folder / "whole", sequence_id="whole", **about)
+    import_frames([scan()], folder / "whole", RecordingInfo("whole", "scan"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(importer, "LARGE_POINTS", 8_000)
         patch.setattr(source_order, "BLOCK_POINTS", 5_000)
         patch.setattr(source_order, "PIECE_POINTS", 3_500)
         patch.setattr(layers, "READ_POINTS", 4_000)
         patch.setattr(layers, "PIECE_POINTS", 4_500)
-        import_frames([scan()], folder / "large", sequence_id="large", **about)
+        import_frames([scan()], folder / "large", RecordingInfo("large", "scan"))
         with serving(settings) as running:
             annotate(running)
             yield running
@@ -211,7 +209,7 @@ def test_frames_that_are_octrees_are_not_laid_over_one_another(tmp_path: Path) -
     folder = settings.workspace / "sequences" / "large"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(importer, "LARGE_POINTS", 8_000)
-        import_frames([scan(), scan()], folder, sequence_id="large", name="scan", fps=1.0)
+        import_frames([scan(), scan()], folder, RecordingInfo("large", "scan", 1.0))
     with serving(settings) as served:
         served.workspace.labels.create_label("large", "somebody", name="pin")
         frame = f"{served.url}/api/v1/sequences/large/frames/0"

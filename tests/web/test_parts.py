@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.serving import serving, settings_in
 
 FRAMES = 3
@@ -31,9 +31,7 @@ def api(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
     import_frames(
         (cars(seed) for seed in range(FRAMES)),
         settings.workspace / "sequences" / "cars",
-        sequence_id="cars",
-        name="cars",
-        fps=10.0,
+        RecordingInfo("cars", "cars", 10.0),
     )
     with (
         serving(settings) as served,

@@ -10,7 +10,7 @@ import pytest
 from pointbrush.client import Client
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from tests.serving import TOKEN, serving, settings_in
 
 FAR = np.array([500_000.0, 4_600_000.0, 200.0])
@@ -33,9 +33,7 @@ def test_strokes_lie_where_the_placements_say_also_far_from_the_origin(tmp_path:
     import_frames(
         (PointFrame(xyz, pose=T) for xyz, T in zip([*seen, places], poses, strict=True)),
         settings.workspace / "sequences" / "survey",
-        sequence_id="survey",
-        name="survey",
-        fps=1,
+        RecordingInfo("survey", "survey", 1),
     )
     with serving(settings) as served, Client(served.url, TOKEN) as client:
         survey = client["survey"]

@@ -14,7 +14,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -70,9 +70,7 @@ def workspace(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Worksp
                 for i in range(FRAMES)
             ),
             options.workspace / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=10,
+            RecordingInfo(name, name, 10),
         )
     opened = Workspace(options)
     for name in ("street", "room"):

@@ -14,7 +14,7 @@ from pointbrush.formats.boxes.figures import FrameBox, points_of
 from pointbrush.formats.boxes.registry import read_boxes
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -128,9 +128,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     import_frames(
         (PointFrame(scene(k)) for k in range(2)),
         tmp_path / "ws" / "sequences" / "drive",
-        sequence_id="drive",
-        name="Drive",
-        fps=10.0,
+        RecordingInfo("drive", "Drive", 10.0),
     )
     opened = Workspace(Settings(workspace=tmp_path / "ws"))
     yield opened

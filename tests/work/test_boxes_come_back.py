@@ -16,7 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.geometry.quaternions import quaternion_of, rotation_of
 from pointbrush.labels import Label
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -50,9 +50,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
         import_frames(
             (PointFrame(points(k), timestamp=1533151603.5 + k / 10) for k in range(3)),
             place / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=10.0,
+            RecordingInfo(name, name, 10.0),
         )
     opened = Workspace(Settings(workspace=place))
     labels = [

@@ -22,7 +22,7 @@ from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.classifiers.agreeing import agreed, voter_of
 from pointbrush.work.classifiers.applying import predicted
 from pointbrush.work.classifiers.options import ClassifierOptions
@@ -53,7 +53,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         folder = Path(options.workspace) / "sequences" / name
         folder.parent.mkdir(parents=True, exist_ok=True)
         frames = (scene(i) for i in range(2))
-        import_frames(frames, folder, sequence_id=name, name=name, fps=1.0)
+        import_frames(frames, folder, RecordingInfo(name, name, 1.0))
     with closing(Workspace(options)) as opened:
         for name in ("floor", "wall"):
             opened.labels.create_label("room", "me", name=name)

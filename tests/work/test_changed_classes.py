@@ -18,7 +18,7 @@ from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import Category, Label
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.teamwork.summaries import Effort, Search
 from pointbrush.values.projects import ProjectPatch
@@ -48,9 +48,7 @@ def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
     import_frames(
         (PointFrame(xyz.astype(np.float32), timestamp=1533151603.5 + k / 10) for k in range(2)),
         made.workspace / "sequences" / "drive",
-        sequence_id="drive",
-        name="drive",
-        fps=10.0,
+        RecordingInfo("drive", "drive", 10.0),
     )
     return made
 

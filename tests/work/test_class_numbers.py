@@ -14,7 +14,7 @@ import pytest
 from pointbrush.formats import EXPORTS
 from pointbrush.frame import PointFrame
 from pointbrush.labels.classes.taxonomy import Category
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -26,7 +26,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     xyz = np.random.default_rng(0).uniform(0, 1, (40, 3)).astype(np.float32)
     for name in ("one", "two"):
         folder = place / "sequences" / name
-        import_frames([PointFrame(xyz=xyz)], folder, sequence_id=name, name=name, fps=1.0)
+        import_frames([PointFrame(xyz=xyz)], folder, RecordingInfo(name, name, 1.0))
     with closing(Workspace(Settings(workspace=place))) as opened:
         opened.labels.taxonomy.put([Category(10, "car")])
         for name, kinds in (("one", ("car", "pole")), ("two", ("pole", "person"))):

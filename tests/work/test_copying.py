@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -40,7 +40,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     )
     folder = Path(options.workspace) / "sequences" / "room"
     folder.parent.mkdir(parents=True, exist_ok=True)
-    import_frames(frames, folder, sequence_id="room", name="room", fps=1.0)
+    import_frames(frames, folder, RecordingInfo("room", "room", 1.0))
     with closing(Workspace(options)) as opened:
         opened.labels.create_label("room", "me", name="ball")
         opened.annotations.put("room", 0, IS_BALL, author="me")

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.sequences.storage.manifest import FILE, checksum
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -46,7 +46,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     settings = settings_in(tmp_path)
     frame = PointFrame(TURN.apply(hall()) + FAR)
     folder = settings.workspace / "sequences" / "hall"
-    import_frames([frame], folder, sequence_id="hall", name="hall", fps=30)
+    import_frames([frame], folder, RecordingInfo("hall", "hall", 30))
     # Detected with a lean, as if a slope outside had been taken for the floor.
     opened = Workspace(settings)
     lean = Rotation.from_euler("x", 8, degrees=True).as_matrix()

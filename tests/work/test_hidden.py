@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, HiddenLabelError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -44,9 +44,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
     import_frames(
         [PointFrame(CLOUD), PointFrame(WALLS)],
         options.workspace / "sequences" / "two",
-        sequence_id="two",
-        name="two",
-        fps=30,
+        RecordingInfo("two", "two", 30),
     )
     opened = Workspace(options)
     for name in ("plain", "hidden", "hidden here", "locked"):

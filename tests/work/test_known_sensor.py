@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences import import_frames, open_sequence
 from pointbrush.sequences.check import verify
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackOptions
 from pointbrush.tracking.interface import KnownSensor
@@ -51,9 +51,7 @@ def recorded(
         room(np.array([eye, 0.0, 0.0]), 0.03 * number - 0.3, np.array(at))
         for number, eye in enumerate(eyes)
     ]
-    import_frames(
-        (frame for frame, _ in made), folder / "room", sequence_id="room", name="room", fps=30
-    )
+    import_frames((frame for frame, _ in made), folder / "room", RecordingInfo("room", "room", 30))
     recording = open_sequence(folder / "room")
     return recording, Seed(BALL, np.flatnonzero(made[0][1][recording[0].source_index]))
 

@@ -15,7 +15,7 @@ import pytest
 from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -36,9 +36,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         import_frames(
             (PointFrame(xyz(k), timestamp=START + k / 2) for k in range(3)),
             tmp_path / "ws" / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=10.0,
+            RecordingInfo(name, name, 10.0),
         )
     opened = Workspace(Settings(workspace=tmp_path / "ws"))
     yield opened

@@ -14,7 +14,7 @@ from serving import settings_in
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.objects import Answer, StaleCandidateError
 from pointbrush.workspace import Workspace
 from tests.waiting import eventually
@@ -52,9 +52,7 @@ def workspace(tmp_path: Any) -> Iterator[Workspace]:
     import_frames(
         iter([ball_frame(0), ball_frame(1), empty_frame()]),
         settings.workspace / "sequences" / SEQUENCE,
-        sequence_id=SEQUENCE,
-        name=SEQUENCE,
-        fps=10,
+        RecordingInfo(SEQUENCE, SEQUENCE, 10),
     )
     opened = Workspace(settings)
     opened.labels.create_label(SEQUENCE, "ada", name="one")

@@ -10,7 +10,7 @@ import pytest
 from pointbrush.errors import DamagedError
 from pointbrush.formats import read
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames, open_sequence, verify
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence, verify
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -28,9 +28,7 @@ def recording(folder: Path, count: int = 50) -> PointFrame:
     import_frames(
         [frame, PointFrame(frame.xyz)],
         folder / "sequences" / "scan",
-        sequence_id="scan",
-        name="Scan",
-        fps=10.0,
+        RecordingInfo("scan", "Scan", 10.0),
     )
     return frame
 

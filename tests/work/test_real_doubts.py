@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -42,7 +42,7 @@ def test_most_doubts_are_of_one_class_and_answers_help(tmp_path: Path, shared: P
     settings = settings_in(tmp_path)
     folder = Path(settings.workspace) / "sequences" / "tile"
     folder.parent.mkdir(parents=True)
-    import_frames([frame], folder, sequence_id="tile", name="tile", fps=1.0, up="z")
+    import_frames([frame], folder, RecordingInfo("tile", "tile", 1.0, up="z"))
     rng = np.random.default_rng(0)
     with closing(Workspace(settings)) as workspace:
         stored = workspace.recording("tile")[0]

@@ -15,7 +15,7 @@ import pytest
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Label
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -70,7 +70,7 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Workspace
     }
     for name, scans in frames.items():
         place = folder / "sequences" / name
-        import_frames(scans, place, sequence_id=name, name=name, fps=10.0)
+        import_frames(scans, place, RecordingInfo(name, name, 10.0))
     with closing(Workspace(Settings(workspace=folder))) as workspace:
         yield workspace, {name: painted(workspace, name, scans) for name, scans in frames.items()}
 

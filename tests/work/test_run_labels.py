@@ -11,7 +11,7 @@ import pytest
 
 from pointbrush.frame import PointFrame
 from pointbrush.jobs.job import Job
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.events import Event, Provisional
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -36,7 +36,7 @@ def frames() -> Iterator[PointFrame]:
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
     settings = settings_in(tmp_path)
     folder = settings.workspace / "sequences" / SEQUENCE
-    import_frames(frames(), folder, sequence_id=SEQUENCE, name=SEQUENCE, fps=30)
+    import_frames(frames(), folder, RecordingInfo(SEQUENCE, SEQUENCE, 30))
     with closing(Workspace(settings)) as opened:
         for number, place in PLACES.items():
             opened.labels.create_label(SEQUENCE, "ada", name=f"ball {number}")

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -30,12 +30,9 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     xyz = [rng.normal(size=(POINTS, 3)).astype(np.float32) for _ in range(2)]
     rows = np.arange(POINTS, dtype=np.int64) + 1
     import_frames(
-        # Row 0 of the second frame's file was a beam without an echo.
         [PointFrame(xyz[0]), PointFrame(xyz[1], rows=rows, dropped=1)],
         tmp_path / "ws" / "sequences" / "drive",
-        sequence_id="drive",
-        name="Drive",
-        fps=10.0,
+        RecordingInfo("drive", "Drive", 10.0),
     )
     opened = Workspace(Settings(workspace=tmp_path / "ws"))
     yield opened

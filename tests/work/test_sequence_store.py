@@ -25,7 +25,7 @@ from pointbrush.database import schema
 from pointbrush.errors import DamagedError, NotFoundError, PointbrushError, UnavailableError
 from pointbrush.labels import KEPT_SECONDS
 from pointbrush.labels.recordings import SURE_SECONDS
-from pointbrush.sequences import import_frames, open_sequence, verify
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence, verify
 from pointbrush.sequences.storage import files
 from pointbrush.sequences.storage.bucket import Bucket
 from pointbrush.sequences.storage.bucket_files import BucketFiles
@@ -206,7 +206,7 @@ def test_an_import_that_is_killed_is_not_listed_and_leaves_nothing(
 def served_from(s3: str, tmp_path: Path) -> Settings:  # noqa: F811
     """Settings of a workspace with a recording in a bucket, and an empty cache."""
     frames = (surface(POINTS, index) for index in range(FRAMES))
-    import_frames(frames, tmp_path / "room", sequence_id="room", name="room", fps=30)
+    import_frames(frames, tmp_path / "room", RecordingInfo("room", "room", 30))
     Bucket(s3, FileCache(tmp_path / "other", 1 << 30)).publish(tmp_path / "room", "room")
     return settings_of(tmp_path, s3)
 
@@ -280,7 +280,7 @@ def test_an_octree_and_a_lack_of_room(
 ) -> None:
     monkeypatch.setattr("pointbrush.sequences.importer.LARGE_POINTS", POINTS)
     whole = surface(20 * POINTS, 0)
-    import_frames([whole], tmp_path / "scan", sequence_id="scan", name="scan", fps=1)
+    import_frames([whole], tmp_path / "scan", RecordingInfo("scan", "scan", 1))
     bucket = Bucket(s3, FileCache(tmp_path / "cache", 1))
     bucket.publish(tmp_path / "scan", "scan")
     recording = open_sequence(BucketFiles(bucket, "scan"))

@@ -9,13 +9,13 @@ import numpy as np
 from PIL import Image
 
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import Sequence, StoredFrame, import_frames
+from pointbrush.sequences import RecordingInfo, Sequence, StoredFrame, import_frames
 from pointbrush.work.thumbnails import HEIGHT, WIDTH, draw, thumbnail
 
 
 def stored(folder: Path, xyz: np.ndarray, rgb: np.ndarray | None = None) -> StoredFrame:
     frames = [PointFrame(xyz=xyz.astype(np.float32), rgb=rgb)]
-    import_frames(frames, folder, sequence_id="s", name="s", fps=1.0)
+    import_frames(frames, folder, RecordingInfo("s", "s", 1.0))
     return Sequence(folder)[0]
 
 

@@ -17,7 +17,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.tracking import FrameResult
 from pointbrush.work.tracking.job import LEAD, PendingEdit, TrackingWork, lead, prepare
 from pointbrush.work.tracking.options import RunOptions
@@ -52,9 +52,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
         import_frames(
             (frame(kind, i, name == "coloured") for i, kind in enumerate(KINDS)),
             chosen.workspace / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=30,
+            RecordingInfo(name, name, 30),
         )
     opened = Workspace(chosen)
     for name in RECORDINGS:

@@ -13,7 +13,7 @@ import pytest
 
 from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.depth_camera import depth_camera
@@ -34,7 +34,7 @@ def test_boxes_of_openpcdet_come_back_to_the_source(
     frame = PointFrame(xyz=np.concatenate([car, far]) + offset)
     settings = Settings(workspace=tmp_path / "workspace")
     place = settings.workspace / "sequences" / "scan"
-    import_frames([frame], place, sequence_id="scan", name="scan", fps=1.0, up=up)
+    import_frames([frame], place, RecordingInfo("scan", "scan", 1.0, up=up))
     with closing(Workspace(settings)) as workspace:
         made = workspace.labels.create_label("scan", "ann", name="car", category="car")
         label = np.where(np.arange(400) < CAR, made.id, 0).astype(np.uint16)
@@ -54,7 +54,7 @@ def test_points_of_a_depth_camera_have_x_ahead_and_z_up(tmp_path: Path, up: str 
     frame = depth_camera(0)
     settings = Settings(workspace=tmp_path / "workspace")
     place = settings.workspace / "sequences" / "room"
-    import_frames([frame], place, sequence_id="room", name="room", fps=1.0, up=up)
+    import_frames([frame], place, RecordingInfo("room", "room", 1.0, up=up))
     with closing(Workspace(settings)) as workspace:
         workspace.export("room", "openpcdet", tmp_path / "out")
     got = np.load(tmp_path / "out" / "points" / "room_000000.npy")[:, :3]
@@ -70,7 +70,7 @@ def drives(tmp_path: Path) -> Iterator[Workspace]:
     frames = [PointFrame(xyz=np.zeros((1, 3)) + i) for i in range(4)]
     for name in (f"scan-{number}" for number in range(12)):
         place = settings.workspace / "sequences" / name
-        import_frames(frames, place, sequence_id=name, name=name, fps=1.0)
+        import_frames(frames, place, RecordingInfo(name, name, 1.0))
     with closing(Workspace(settings)) as workspace:
         yield workspace
 

@@ -271,7 +271,7 @@ class LabelStore:
         with self._open_recordings.reading(sequence) as (connection, state):
             return reading.tracks(connection, state)
 
-    def apply(
+    def apply(  # noqa: PLR0913 – the fields of an edit, by name
         self,
         sequence: str,
         *,

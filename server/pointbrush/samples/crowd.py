@@ -172,7 +172,7 @@ def _bag() -> Thing:
     leather = Material(partial(cloth, color=linear("#8a5a3b"), fold=0.2), 0.5)
     handle = [vec(0, 0.14, -0.08), vec(0, 0.28, -0.03), vec(0, 0.28, 0.03), vec(0, 0.14, 0.08)]
     box = block((-0.05, -0.14, -0.16), (0.05, 0.14, 0.16), leather, roughness=0.1)
-    straps = [rod(a, b, 0.011, 0.011, leather) for a, b in pairwise(handle)]
+    straps = [rod(a, b, (0.011, 0.011), leather) for a, b in pairwise(handle)]
     return Thing("bag", "#8a5a3b", (box, *straps), 0.18, 0.0)
 
 

@@ -49,13 +49,13 @@ def arm(
     covered = look.sleeves
     hem = shoulder + (elbow - shoulder) * min(covered, 1.0)
     b = s * look.build
-    parts = [rod(shoulder, hem, 0.062 * b, 0.052 * b, shirt, label, roughness=0.5)]
+    parts = [rod(shoulder, hem, (0.062 * b, 0.052 * b), shirt, label, roughness=0.5)]
     if covered < 1:
-        parts.append(rod(shoulder, elbow, 0.046 * b, 0.038 * b, skin, label))
+        parts.append(rod(shoulder, elbow, (0.046 * b, 0.038 * b), skin, label))
     else:
         cuff = elbow + (wrist - elbow) * min(covered - 1, 1.0)
-        parts.append(rod(elbow, cuff, 0.048 * b, 0.04 * b, shirt, label, roughness=0.5))
-    parts.append(rod(elbow, wrist, 0.039 * b, 0.027 * b, skin, label, 0.9))
+        parts.append(rod(elbow, cuff, (0.048 * b, 0.04 * b), shirt, label, roughness=0.5))
+    parts.append(rod(elbow, wrist, (0.039 * b, 0.027 * b), skin, label, (0.9, None)))
     return parts + _hand(wrist, reach, R[:, 0], side, skin, label)
 
 
@@ -69,16 +69,16 @@ def _hand(
     down = down if down[1] < 0 else -down
     thumb = reach - across * (side * 0.042) + forward * 0.012 - down * 0.008
     parts = [
-        rod(wrist, reach, 0.026, 0.036, skin, label, 0.62, across),
-        rod(reach - across * (side * 0.02) - forward * 0.03, thumb, 0.013, 0.0105, skin, label),
+        rod(wrist, reach, (0.026, 0.036), skin, label, (0.62, across)),
+        rod(reach - across * (side * 0.02) - forward * 0.03, thumb, (0.013, 0.0105), skin, label),
     ]
     for finger in range(4):
         aside, length = (finger - 1.5) * 0.0195, (0.032, 0.037, 0.035, 0.027)[finger]
         knuckle = reach + across * (side * aside) + forward * 0.02
         middle = knuckle + forward * length + down * 0.012
         tip = middle + forward * (0.25 * length) + down * length
-        parts.append(rod(knuckle, middle, 0.0105, 0.0095, skin, label))
-        parts.append(rod(middle, tip, 0.0095, 0.008, skin, label))
+        parts.append(rod(knuckle, middle, (0.0105, 0.0095), skin, label))
+        parts.append(rod(middle, tip, (0.0095, 0.008), skin, label))
     return parts
 
 
@@ -100,29 +100,26 @@ def leg(look: Look, posture: Posture, hips: Array, s: float, label: int, which: 
     tip = ankle + matmul(toes, vec(side * 0.008, -drop + 0.03, 0.19))
     across = toes[:, 0]
     return [
-        rod(hip, knee, 0.092 * b, 0.066 * b, trousers, label, roughness=0.45),
+        rod(hip, knee, (0.092 * b, 0.066 * b), trousers, label, roughness=0.45),
         rod(
             knee,
             ankle + (knee - ankle) * 0.10,
-            0.064 * b,
-            0.056 * b,
+            (0.064 * b, 0.056 * b),
             trousers,
             label,
             roughness=0.5,
         ),
-        rod(ankle, heel, 0.04 * s, 0.043 * s, shoe, label),
-        rod(heel, ball, 0.043, 0.036, shoe, label, 0.95, across),
-        rod(ankle, ball, 0.04, 0.03, shoe, label),
-        rod(ball, tip, 0.036, 0.029, shoe, label, 0.95, across),
+        rod(ankle, heel, (0.04 * s, 0.043 * s), shoe, label),
+        rod(heel, ball, (0.043, 0.036), shoe, label, (0.95, across)),
+        rod(ankle, ball, (0.04, 0.03), shoe, label),
+        rod(ball, tip, (0.036, 0.029), shoe, label, (0.95, across)),
         rod(
             heel - matmul(toes, vec(0, 0.025, 0)),
             tip - matmul(toes, vec(0, 0.012, 0)),
-            0.02,
-            0.018,
+            (0.02, 0.018),
             sole,
             label,
-            2.0,
-            toes[:, 1],
+            (2.0, toes[:, 1]),
         ),
     ]
 
@@ -181,12 +178,10 @@ def _torso(
         rod(
             p - UP * 0.07 * s,
             at(0, 0.08, 0.0),
-            0.158 * build,
-            0.15 * build,
+            (0.158 * build, 0.15 * build),
             trousers,
             label,
-            0.74,
-            hips[:, 0],
+            (0.74, hips[:, 0]),
             0.35,
         ),
         Solid(
@@ -199,40 +194,34 @@ def _torso(
         rod(
             at(0, 0.09, 0.005),
             at(0, 0.30, 0.0),
-            0.153 * build,
-            0.163 * build,
+            (0.153 * build, 0.163 * build),
             shirt,
             label,
-            0.76,
-            left,
+            (0.76, left),
             0.5,
         ),
         rod(
             at(0, 0.28, 0.0),
             at(0, 0.40, -0.005),
-            0.163 * build * full,
-            0.145 * build,
+            (0.163 * build * full, 0.145 * build),
             shirt,
             label,
-            0.79,
-            left,
+            (0.79, left),
             0.45,
         ),
         rod(
             at(-0.115, 0.445, -0.012),
             at(0.115, 0.445, -0.012),
-            0.064 * s,
-            0.064 * s,
+            (0.064 * s, 0.064 * s),
             shirt,
             label,
-            1.0,
-            R[:, 2],
+            (1.0, R[:, 2]),
             0.3,
         ),
     ]
     for side in (-1, 1):
         inner, outer = at(side * 0.05, 0.50, -0.01), at(side * 0.17, 0.455, -0.01)
-        parts.append(rod(inner, outer, 0.056 * s, 0.056 * s, shirt, label, 1.0, R[:, 2], 0.3))
+        parts.append(rod(inner, outer, (0.056 * s, 0.056 * s), shirt, label, (1.0, R[:, 2]), 0.3))
     return parts
 
 
@@ -257,15 +246,14 @@ def _head(
         rod(
             chest + matmul(R, vec(0, 0.0, -0.012)),
             centre - matmul(turn, vec(0, 0.06, 0.018)),
-            0.058 * s,
-            0.054 * s,
+            (0.058 * s, 0.054 * s),
             skin,
             label,
         ),
         egg(centre, (0.077 * s, 0.118 * s, 0.098 * s), head, label, turn),
         egg(at(0, -0.065, 0.035), (0.05 * s, 0.05 * s, 0.052 * s), skin, label, turn),
         egg(at(0, 0.035, -0.018), (0.084 * s, 0.096 * s, 0.092 * s), strand, label, turn, 0.5),
-        rod(at(0, 0.012, 0.092), at(0, -0.022, 0.108), 0.009, 0.014, skin, label),
+        rod(at(0, 0.012, 0.092), at(0, -0.022, 0.108), (0.009, 0.014), skin, label),
     ]
     parts += [
         egg(at(side * 0.079, -0.005, 0.0), (0.012, 0.03, 0.02), skin, label, turn)
@@ -276,12 +264,10 @@ def _head(
             rod(
                 at(0, 0.02, -0.06),
                 at(0, -0.17, -0.075),
-                0.07 * s,
-                0.05 * s,
+                (0.07 * s, 0.05 * s),
                 strand,
                 label,
-                0.7,
-                turn[:, 0],
+                (0.7, turn[:, 0]),
                 0.6,
             )
         )

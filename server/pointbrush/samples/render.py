@@ -191,15 +191,14 @@ def disc(
 def rod(
     a: Array,
     b: Array,
-    ra: float,
-    rb: float,
+    radii: tuple[float, float],
     material: Material,
     label: int = 0,
-    depth: float = 1.0,
-    right: Array | None = None,
+    flat: tuple[float, Array | None] = (1.0, None),
     roughness: float = 0.0,
 ) -> Solid:
-    """Rounded cone from ``a`` to ``b``; ``depth`` flattens it across ``right``."""
+    """Rounded cone from ``a`` to ``b``; ``flat``: depth across a direction to the right."""
+    (ra, rb), (depth, right) = radii, flat
     length = norm(b - a)
     if length <= abs(ra - rb):
         length = abs(ra - rb) + 1e-3

@@ -137,8 +137,7 @@ def _window() -> list[Solid]:
                 rod(
                     vec(x + 0.09 + 0.02 * (fold % 2), 0.35, z),
                     vec(x + 0.09, 2.25, z),
-                    0.045,
-                    0.04,
+                    (0.045, 0.04),
                     fabric,
                     roughness=0.3,
                 )
@@ -156,8 +155,7 @@ def _door() -> list[Solid]:
         rod(
             vec(0.68, 1.02, z + 0.11),
             vec(0.59, 1.02, z + 0.11),
-            0.011,
-            0.011,
+            (0.011, 0.011),
             shiny("#8e8c86", gloss=1.0, infrared=0.3),
         ),
     ]
@@ -191,12 +189,12 @@ def _sofa() -> list[Solid]:
     parts = [
         block((0.98, 0.08, z), (2.22, 0.3, z + 0.82), fabric, roughness=0.1),
         block((0.98, 0.3, z), (2.22, 0.72, z + 0.2), fabric, roughness=0.1),
-        rod(vec(1.0, 0.72, z + 0.1), vec(2.2, 0.72, z + 0.1), 0.1, 0.1, fabric, roughness=0.2),
+        rod(vec(1.0, 0.72, z + 0.1), vec(2.2, 0.72, z + 0.1), (0.1, 0.1), fabric, roughness=0.2),
     ]
     for x in (1.0, 2.2):
         parts.append(block((x - 0.1, 0.05, z), (x + 0.1, 0.5, z + 0.85), fabric, roughness=0.1))
         parts.append(
-            rod(vec(x, 0.5, z + 0.08), vec(x, 0.5, z + 0.78), 0.11, 0.11, fabric, roughness=0.2)
+            rod(vec(x, 0.5, z + 0.08), vec(x, 0.5, z + 0.78), (0.11, 0.11), fabric, roughness=0.2)
         )
     for x in (1.33, 1.87):
         parts.append(
@@ -241,7 +239,7 @@ def _floor_lamp() -> list[Solid]:
     x, z = -0.62, BACK + 0.28
     return [
         disc((x, 0, z), 0.14, 0.025, steel),
-        rod(vec(x, 0.02, z), vec(x, 1.02, z), 0.012, 0.012, steel),
+        rod(vec(x, 0.02, z), vec(x, 1.02, z), (0.012, 0.012), steel),
         Solid(shade, rigid(np.eye(3), vec(x, 0.98, z)), glow),
     ]
 
@@ -259,7 +257,7 @@ def _plant(rng: np.random.Generator) -> list[Solid]:
         green = matte(["#3d6b34", "#4f7f3c", "#2f5a33"][number % 3], grain=0.3, infrared=0.9)
         R = along(root, tip, vec(-sin(angle), 0.2, cos(angle)))[:3, :3]
         parts.append(egg(tip, (0.055, 0.15, 0.01), green, R=R, roughness=0.2))
-        parts.append(rod(root, tip, 0.006, 0.004, green))
+        parts.append(rod(root, tip, (0.006, 0.004), green))
     return parts
 
 

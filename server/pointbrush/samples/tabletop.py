@@ -68,7 +68,7 @@ def _mug() -> Thing:
         vec(0.036 + 0.028 * sin(a), 0.048 - 0.03 * cos(a), 0)
         for a in np.linspace(0.15, math.pi - 0.15, 6)
     ]
-    ring = [rod(a, b, 0.0065, 0.0065, glaze) for a, b in pairwise(handle)]
+    ring = [rod(a, b, (0.0065, 0.0065), glaze) for a, b in pairwise(handle)]
     cup = _turned([0, 0.004, 0.09, 0.096, 0.097], [0.032, 0.037, 0.039, 0.039, 0.034], glaze)
     return Thing("mug", "#c23b36", (cup, *ring), 0.04, 0.09)
 

@@ -174,7 +174,7 @@ class TurningBox:
     def stand(self) -> Solid:
         """Return the stand under it."""
         foot, top = self.at * vec(1, 0, 1), self.at - UP * self.half[1]
-        return rod(foot, top, 0.015, 0.015, matte("#333333"))
+        return rod(foot, top, (0.015, 0.015), matte("#333333"))
 
     def pose(self, t: float) -> Array:
         """Return ``T_room_box``."""

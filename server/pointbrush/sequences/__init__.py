@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from pointbrush.sequences.depth.lattice import Lattice
     from pointbrush.sequences.importer import LARGE_POINTS, import_frames, import_large
     from pointbrush.sequences.octree.coordinates import load_loops
+    from pointbrush.sequences.record import RecordingInfo
     from pointbrush.sequences.source_order import source_blocks
     from pointbrush.sequences.storage.files import clean_temporary
     from pointbrush.sequences.storage.manifest import Manifest, read_manifest, update_manifest
@@ -26,6 +27,7 @@ if not TYPE_CHECKING:
             "importer": "LARGE_POINTS import_frames import_large",
             "storage.manifest": "Manifest read_manifest update_manifest",
             "octree.coordinates": "load_loops",
+            "record": "RecordingInfo",
             "source_order": "source_blocks",
             "store": "Sequence open_sequence",
             "stored_frame": "Chunk StoredFrame",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 from itertools import chain
@@ -20,7 +20,7 @@ from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.pictures import write_pictures
-from pointbrush.sequences.record import FrameOrigin, Record, make_manifest, record
+from pointbrush.sequences.record import Record, RecordingInfo, make_manifest, record
 from pointbrush.sequences.storage.checksums import CHECKSUMS, encode_checksums
 from pointbrush.sequences.storage.files import new_folder, write_file
 from pointbrush.sequences.storage.frame_files import FRAMES
@@ -48,28 +48,19 @@ def _silent(fraction: float, message: str) -> None:
 def import_frames(
     frames: Iterable[PointFrame],
     target: Path,
+    info: RecordingInfo,
     *,
-    sequence_id: str,
-    name: str,
-    fps: float,
     total: int | None = None,
     progress: Progress = _silent,
-    source: str = "",
-    up: str | None = None,
     pictures: PictureSource | None = None,
-    classes: Sequence[str] = (),
-    origins: Sequence[FrameOrigin] = (),
 ) -> Manifest:
     """Import ``frames`` into the new folder ``target``; they are consumed one by one.
 
     ``progress`` gets a fraction 0..1 and a message after each frame; an error from it cancels.
-    ``up`` is the axis ("x", "-x", … "-z") that points up, if it is known; ``pictures`` are stored
-    with the frames; ``classes`` are names of the labels 1, 2, …, and ``origins`` the files of the
-    frames, which may be filled while the frames are read.
+    ``pictures`` are stored with the frames.
     Nothing is left on any error.  Raises ConflictError when ``target`` exists, BadInputError
     when there is no frame, UnavailableError when the disk is full, and the errors of ``frames``.
     """
-    _check_fps(fps)
     with new_folder(target) as folder:
         (folder / FRAMES).mkdir()
         grid_of = GridChooser()
@@ -82,9 +73,7 @@ def import_frames(
         if not records:
             raise BadInputError("expected at least one frame, got none")
         grid = grid_of.grid
-        manifest = make_manifest(
-            records, grid, sequence_id, name, fps, source, up, classes, origins
-        )
+        manifest = make_manifest(records, grid, info)
         kept = {} if pictures is None else write_pictures(folder, len(records), pictures.pictures())
         _complete(folder, manifest, records, kept)
     return manifest
@@ -93,53 +82,32 @@ def import_frames(
 def import_large(
     parts: Iterable[PointFrame],
     target: Path,
+    info: RecordingInfo,
     *,
-    sequence_id: str,
-    name: str,
-    fps: float = 1.0,
     total_points: int | None = None,
     progress: Progress = _silent,
-    source: str = "",
-    up: str | None = None,
-    origins: Sequence[FrameOrigin] = (),
 ) -> Manifest:
     """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
     The parts have the same fields and are in the source's order.  A frame that turns out to fit in
     memory is stored like any other.  Errors as ``import_frames``.
     """
-    _check_fps(fps)
     parts = iter(parts)
     head: list[PointFrame] = []
     while sum(map(len, head)) <= LARGE_POINTS:
         part = next(parts, None)
         if part is None:
-            return import_frames(
-                [join(head)] if head else [],
-                target,
-                sequence_id=sequence_id,
-                name=name,
-                fps=fps,
-                total=1,
-                progress=progress,
-                source=source,
-                up=up,
-                origins=origins,
-            )
+            frames = [join(head)] if head else []
+            return import_frames(frames, target, info, total=1, progress=progress)
         head.append(part)
     with new_folder(target) as folder:
         (folder / FRAMES).mkdir()
         grid = GridChooser()(head)
         records = [_store_large(chain(head, parts), 0, grid, folder, total_points, progress)]
-        manifest = make_manifest(records, grid, sequence_id, name, fps, source, up, origins=origins)
+        manifest = make_manifest(records, grid, info)
         _complete(folder, manifest, records, {})
         progress(1.0, f"imported {manifest.points[0]:,} points")
     return manifest
-
-
-def _check_fps(fps: float) -> None:
-    if not (np.isfinite(fps) and fps > 0):
-        raise BadInputError(f"fps: expected a positive number, got {fps}")
 
 
 def _complete(
@@ -223,17 +191,9 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
     named |= write_source_fields(folder, index, frame)
-    return record(
-        frame,
-        encoded.arrays,
-        encoded.arrays["xyz"],
-        encoded.error,
-        named,
-        dropped=frame.dropped,
-        large=False,
-        side_error=encoded.side_error,
-        color_error=encoded.color_error,
-    )
+    xyz, dropped = encoded.arrays["xyz"], frame.dropped
+    stored = record(frame, encoded.arrays, xyz, encoded.error, named, dropped=dropped, large=False)
+    return replace(stored, side_error=encoded.side_error, color_error=encoded.color_error)
 
 
 def _store_large(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
@@ -58,8 +59,6 @@ def record(
     *,
     dropped: int,
     large: bool,
-    side_error: float = 0.0,
-    color_error: float = 0.0,
 ) -> Record:
     """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time.
 
@@ -73,8 +72,8 @@ def record(
         lo=chunks["lo"].min(axis=0).astype(np.float64) if count else none,
         hi=chunks["hi"].max(axis=0).astype(np.float64) if count else none,
         error=error,
-        side_error=side_error,
-        color_error=color_error,
+        side_error=0.0,
+        color_error=0.0,
         prefix=xyz[: _prefix(chunks)].copy(),
         pose=None if frame.pose is None else frame.pose.ravel().tolist(),
         viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
@@ -106,32 +105,45 @@ def _says_something(name: str, arrays: Mapping[str, NDArray[Any]]) -> bool:
     return name in arrays and (name != "label" or bool(arrays[name].any()))
 
 
-def make_manifest(
-    records: list[Record],
-    grid: Grid,
-    sequence_id: str,
-    name: str,
-    fps: float,
-    source: str,
-    up: str | None = None,
-    classes: Iterable[str] = (),
-    origins: Sequence[FrameOrigin] = (),
-) -> Manifest:
-    """The manifest of a sequence of these frames, in their order; ``up`` as in ``RoomFinder``."""
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordingInfo:
+    """Data of a new recording beside its frames, for its manifest.
+
+    Raises BadInputError for a rate that is not positive.
+    """
+
+    id: str
+    name: str
+    fps: float = 1.0
+    source: str = ""
+    up: str | None = None
+    """Axis ("x", "-x", … "-z") that points up, if it is known."""
+    classes: Sequence[str] = ()
+    """Names of the labels 1, 2, …"""
+    origins: Sequence[FrameOrigin] = ()
+    """Files of the frames; they may be added while the frames are read."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.fps) and self.fps > 0):
+            raise BadInputError(f"fps: expected a positive number, got {self.fps}")
+
+
+def make_manifest(records: list[Record], grid: Grid, info: RecordingInfo) -> Manifest:
+    """Return the manifest of a sequence of these frames, in their order."""
     filled = [record for record in records if record.count]
     lo = np.min([record.lo for record in filled], axis=0) if filled else np.zeros(3)
     hi = np.max([record.hi for record in filled], axis=0) if filled else np.zeros(3)
     present = {field for record in records for field in record.fields}
-    finder = RoomFinder(grid.shift, up)
+    finder = RoomFinder(grid.shift, info.up)
     for record in records:
         viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
         finder.add(record.prefix, viewpoint)
     room = finder.room(camera="pixel" in present).ravel().tolist()
     return Manifest(
-        id=sequence_id,
-        name=name,
+        id=info.id,
+        name=info.name,
         frames=len(records),
-        fps=float(fps),
+        fps=float(info.fps),
         points=[record.count for record in records],
         fields=[field for field in ("xyz", *POINT_FIELDS) if field in present],
         shift=grid.shift.tolist(),
@@ -148,13 +160,13 @@ def make_manifest(
         poses=[record.pose for record in records],
         timestamps=[record.timestamp for record in records],
         viewpoints=[record.viewpoint for record in records],
-        source=source,
+        source=info.source,
         large=any(record.large for record in records),
         created=now(),
-        imported_as=sequence_id,
-        classes=list(classes),
-        files=[origin.file for origin in origins],
-        places=[origin.place for origin in origins],
+        imported_as=info.id,
+        classes=list(info.classes),
+        files=[origin.file for origin in info.origins],
+        places=[origin.place for origin in info.origins],
         dataset="",
         palette=[],
         scale=1.0,

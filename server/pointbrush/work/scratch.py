@@ -6,7 +6,7 @@ import threading
 
 from pointbrush.database.project_tables import FIRST
 from pointbrush.names import SCRATCH
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.copying import Copying
 from pointbrush.work.library import Library
@@ -58,11 +58,10 @@ class Scratch:
                 import_frames(
                     recording.frames,
                     folder,
-                    sequence_id=SCRATCH,
-                    name="Headset check",
-                    fps=recording.fps,
+                    RecordingInfo(
+                        SCRATCH, "Headset check", recording.fps, source="made for headset checks"
+                    ),
                     total=FRAMES,
-                    source="made for headset checks",
                 )
         finally:
             self._store.guards.end(guard)

@@ -10,7 +10,7 @@ import pytest
 
 from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
-from pointbrush.sequences import import_frames
+from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
@@ -24,9 +24,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         import_frames(
             (PointFrame(np.eye(3, dtype=np.float32)) for _ in range(2)),
             tmp_path / "sequences" / name,
-            sequence_id=name,
-            name=name,
-            fps=10.0,
+            RecordingInfo(name, name, 10.0),
         )
     opened = Workspace(Settings(workspace=tmp_path))
     yield opened

@@ -11,7 +11,7 @@ import pytest
 from pointbrush.frame import PointFrame
 from pointbrush.geometry.oriented_box import AttributeValue, BoxPose, OrientedBox
 from pointbrush.labels import Write
-from pointbrush.sequences import import_frames, open_sequence
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.reviewing.checking import Checker
 
@@ -30,7 +30,7 @@ def scene(frame: int) -> PointFrame:
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("checked") / "street"
-    import_frames(map(scene, range(FRAMES)), folder, sequence_id="street", name="street", fps=1.0)
+    import_frames(map(scene, range(FRAMES)), folder, RecordingInfo("street", "street", 1.0))
     return folder
 
 

@@ -19,7 +19,7 @@ from pointbrush.formats.times.timing import ASSUMED
 from pointbrush.frame import PointFrame
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import LabelStore
-from pointbrush.sequences import LARGE_POINTS, Sequence, import_frames, import_large
+from pointbrush.sequences import LARGE_POINTS, RecordingInfo, Sequence, import_frames, import_large
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
 from pointbrush.work.folder_store import ImportTarget
@@ -63,13 +63,16 @@ class ImportWork:
             project=self.request.project,
         )
 
+    def _info(self, name: str, fps: float, **of_files: Any) -> RecordingInfo:
+        """Return the data of the recording; ``name``: of the files."""
+        request = self.request
+        return RecordingInfo(
+            self.sequence_id, request.name or name, fps, request.source, request.chosen.up,
+            **of_files,
+        )  # fmt: skip
+
     def _import(self, channel: Channel, folder: Path) -> list[str]:
         request = self.request
-        about: dict[str, Any] = {
-            "sequence_id": self.sequence_id,
-            "source": request.source,
-            "up": request.chosen.up,
-        }
         limits = Limits(self.max_points, roots=request.roots)
         scan = large_scan(request.paths, limits)
         if scan is not None:
@@ -77,12 +80,9 @@ class ImportWork:
             import_large(
                 map(request.chosen.applied, read_chunks(scan, PART_POINTS, options)),
                 folder,
-                name=request.name or scan.stem,
-                fps=request.fps or SINGLE_FPS,
+                self._info(scan.stem, request.fps or SINGLE_FPS, origins=[Origin(scan.name)]),
                 total_points=read_header(scan, limits).count,
                 progress=channel.progress,
-                origins=[Origin(scan.name)],
-                **about,
             )
             self._note(folder, "")
             return []
@@ -91,14 +91,10 @@ class ImportWork:
             manifest = import_frames(
                 _limited(source.frames, self.max_points, source.origins),
                 folder,
-                name=request.name or source.name,
-                fps=fps,
+                self._info(source.name, fps, classes=source.classes, origins=source.origins),
                 total=source.count,
                 progress=channel.progress,
                 pictures=source.pictures,
-                classes=source.classes,
-                origins=source.origins,
-                **about,
             )
             self._note(folder, source.listings[0].dataset)
         if said != ASSUMED:
@@ -124,15 +120,13 @@ class SampleWork:
         request = self.request
         recording = sample(request.kind, request.seed, request.frames)
         with self.target.building(channel.progress) as folder:
+            source = f"{request.source}, {request.kind}, seed {request.seed}"
             import_frames(
                 recording.frames,
                 folder,
-                sequence_id=self.sequence_id,
-                name=recording.name,
-                fps=recording.fps,
+                RecordingInfo(self.sequence_id, recording.name, recording.fps, source),
                 total=len(recording.frames),
                 progress=channel.progress,
-                source=f"{request.source}, {request.kind}, seed {request.seed}",
             )
 
 
