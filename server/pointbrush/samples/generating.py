@@ -9,7 +9,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,29 +30,13 @@ MOST_TILES = 4
 """Limit of the number of tiles of land in an aerial sample."""
 
 
-def _juggling(seed: int, seconds: float, **options: Any) -> Scene:
-    return JugglingScene(seed, seconds, JugglingOptions(**options))
-
-
-def _tabletop(seed: int, seconds: float, **options: Any) -> Scene:
-    return TabletopScene(seed, seconds, TabletopOptions(**options))
-
-
-def _walking(seed: int, seconds: float, **options: Any) -> Scene:
-    return WalkingScene(seed, seconds, WalkingOptions(**options))
-
-
-def _crowd(seed: int, seconds: float, **options: Any) -> Scene:
-    return CrowdScene(seed, seconds, CrowdOptions(**options))
-
-
-KINDS: dict[str, Callable[..., Scene]] = {
-    "crowd": _crowd,
-    "juggling": _juggling,
-    "tabletop": _tabletop,
-    "walking": _walking,
+KINDS: dict[str, tuple[Callable[..., Scene], Callable[..., object]]] = {
+    "crowd": (CrowdScene, CrowdOptions),
+    "juggling": (JugglingScene, JugglingOptions),
+    "tabletop": (TabletopScene, TabletopOptions),
+    "walking": (WalkingScene, WalkingOptions),
 }
-"""Kind -> its scene; each kind has its options, for example CrowdOptions for "crowd"."""
+"""Kind -> its scene and the options of the scene."""
 
 
 def generate(
@@ -80,32 +64,13 @@ def generate(
         raise BadInputError(f"noise: expected 0 to 10, got {noise}")
     if not 1 <= rate <= FPS:
         raise BadInputError(f"rate: expected 1 to {FPS:.0f}, got {rate}")
+    make, choose = KINDS[kind]
     try:
-        scene = KINDS[kind](seed, frames / rate, **options)
+        scene = make(seed, frames / rate, choose(**options))
     except TypeError as error:
         raise BadInputError(f"options of {kind}: {error}") from None
     name = kind.capitalize() + (f" {seed}" if seed else "")
     return Recording(name, scene, frames, seed, rate, Sensor(noise=noise))
-
-
-class Sample(Protocol):
-    """A generated recording."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-
-    @property
-    def fps(self) -> float:
-        """Frames a second."""
-
-    @property
-    def frames(self) -> Sequence[PointFrame]:
-        """All frames, made on access."""
-
-    @property
-    def labels(self) -> Sequence[LabelInfo]:
-        """The palette."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,7 +89,7 @@ class Aerial:
         return Lazy(self.count, lambda i: replace(aerial_tile(self.seed + i), label=None))
 
 
-def sample(kind: str, seed: int, frames: int) -> Sample:
+def sample(kind: str, seed: int, frames: int) -> Recording | Aerial:
     """Return a sample of a kind; raises BadInputError for an unknown one.
 
     ``frames``: number of frames, or of tiles of land, at most four.

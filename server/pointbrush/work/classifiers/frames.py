@@ -13,7 +13,7 @@ from pointbrush.ranges import ranges
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
 from pointbrush.sequences.storage.manifest import Manifest
-from pointbrush.work.objects.frames import sensor_of
+from pointbrush.work.objects.frames import part_of, sensor_of
 
 Numbers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -42,11 +42,6 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
     """Return a frame, or its points ``members``, as input of features."""
     stored = recording[frame]
 
-    def part(column: NDArray[np.generic] | None) -> NDArray[np.generic] | None:
-        if column is None:
-            return None
-        return np.ascontiguousarray(column if members is None else column[members])
-
     level = level_rotation(recording.manifest)
     # A guessed kind may be wrong: an aerial scan can look like a rotation of a lidar.
     known = stored.viewpoint is not None or stored.pose is not None
@@ -54,8 +49,8 @@ def example_frame(recording: Recording, frame: int, members: Numbers | None = No
     xyz = np.asarray(stored.coordinates[slice(None) if members is None else members], np.float64)
     return ExampleFrame(
         np.ascontiguousarray(xyz @ level.T),
-        part(stored.rgb),  # type: ignore[arg-type]
-        part(stored.intensity),  # type: ignore[arg-type]
+        part_of(stored.rgb, members),
+        part_of(stored.intensity, members),
         _returns(recording, stored, members),
         None if sensor is None or sensor.place is None else level @ sensor.place,
         "room" if sensor is None else sensor.kind,

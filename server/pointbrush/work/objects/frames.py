@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from pointbrush.tracking.sensors.kind import Sensing
 
 Floats = NDArray[np.float64]
+T = TypeVar("T", bound=np.generic)
 
 SENSED_POINTS = 250_000
 """Number of first points, a uniform sample, used to determine a frame's sensor."""
@@ -26,22 +27,24 @@ def object_frame(
 ) -> ObjectFrame:
     """Return a frame, or its points ``members``, for ``Selector.prepare``."""
 
-    def part(column: NDArray[np.generic] | None) -> NDArray[np.generic] | None:
-        if column is None:
-            return None
-        return np.ascontiguousarray(column if members is None else column[members])
-
     from pointbrush.selection.objects import ObjectFrame  # imports compiled loops
 
     sensor = sensor_of(frame, manifest)
     return ObjectFrame(
         xyz=np.ascontiguousarray(frame.coordinates[slice(None) if members is None else members]),
-        rgb=part(frame.rgb),  # type: ignore[arg-type]
-        intensity=part(frame.intensity),  # type: ignore[arg-type]
+        rgb=part_of(frame.rgb, members),
+        intensity=part_of(frame.intensity, members),
         viewpoint=sensor.place,
         sensor=sensor.kind,
         T_room_local=manifest.T_room_local,
     )
+
+
+def part_of(column: NDArray[T] | None, members: NDArray[np.int64] | None) -> NDArray[T] | None:
+    """Return a contiguous column of a frame, or its part for the points ``members``."""
+    if column is None:
+        return None
+    return np.ascontiguousarray(column if members is None else column[members])
 
 
 def sensor_of(frame: StoredFrame, manifest: Manifest) -> Sensing:
