@@ -23,7 +23,7 @@ from pointbrush.streaming import outbox, sender
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.room import Room
-from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.session import Admitted, ViewerSession
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.streaming.client import HeldFrame, Message, Viewer
@@ -86,12 +86,7 @@ class Person:
         session = ViewerSession(
             self.hub,
             self._sender(pipe),
-            author="owner",
-            name="owner",
-            role="admin",
-            shared=True,
-            require_admitted=lambda: None,
-            sees=self.sees,
+            Admitted("owner", "owner", "admin", True, lambda: None, sees=self.sees),
         )
         self.view = PageLike(pipe, on_message=self._heard, frames=self.frames)  # type: ignore[arg-type]
         self._tasks = [

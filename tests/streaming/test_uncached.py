@@ -16,7 +16,7 @@ from pointbrush.sequences.octree.arrays import map_file
 from pointbrush.sequences.storage.residence import can_tell, in_memory, read_in
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
-from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.session import Admitted, ViewerSession
 from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.stock import OpenFrame, Shelf
 from pointbrush.workspace import Workspace
@@ -49,11 +49,7 @@ class Reader:
         session = ViewerSession(
             self._hub,
             self.send,
-            author="Ada",
-            name="Ada",
-            role="admin",
-            shared=False,
-            require_admitted=lambda: None,
+            Admitted("Ada", "Ada", "admin", shared=False, require_admitted=lambda: None),
         )
         await session.run(self._up.get)
 

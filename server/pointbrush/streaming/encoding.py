@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -186,9 +187,8 @@ def encode_whole(sequence: str, frame: int, first: int, values: FrameValues) -> 
     shown = np.where(values.deleted, np.uint16(DELETED), values.label)
     starts = np.flatnonzero(np.concatenate(([True], shown[1:] != shown[:-1])))[: len(shown)]
     lengths = np.diff(starts, append=len(shown))
-    return _annotation(
-        sequence, frame, values.revision, None, first, len(shown), lengths, shown[starts]
-    )
+    head = _Head(sequence, frame, values.revision, None, first=first, count=len(shown))
+    return _annotation(head, lengths, shown[starts])
 
 
 def encode_delta(
@@ -196,18 +196,16 @@ def encode_delta(
 ) -> bytes:
     """Encode a commit's part in one frame as an ``annotation`` message."""
     shown = np.where(delta.deleted, np.uint16(DELETED), delta.label)
-    return _annotation(
-        sequence, frame, revision, base, 0, 0, delta.indices, _single(shown), edit, author
-    )
+    head = _Head(sequence, frame, revision, base, edit, author)
+    return _annotation(head, delta.indices, _single(shown))
 
 
 def encode_provisional(
     sequence: str, frame: int, revision: int, numbers: NDArray[Any], labels: NDArray[Any]
 ) -> bytes:
     """Encode a provisional result of a tracking run as an ``annotation`` message."""
-    return _annotation(
-        sequence, frame, revision, revision, 0, 0, numbers, _single(labels), provisional=True
-    )
+    head = _Head(sequence, frame, revision, revision, provisional=True)
+    return _annotation(head, numbers, _single(labels))
 
 
 def _single(values: NDArray[Any]) -> NDArray[Any]:
@@ -215,34 +213,25 @@ def _single(values: NDArray[Any]) -> NDArray[Any]:
     return values[:1] if len(values) > 1 and (values == values[0]).all() else values
 
 
-def _annotation(
-    sequence: str,
-    frame: int,
-    revision: int,
-    base: int | None,
-    first: int,
-    count: int,
-    lengths: NDArray[Any],
-    values: NDArray[Any],
-    edit: str | None = None,
-    author: str | None = None,
-    *,
-    provisional: bool = False,
-) -> bytes:
-    packed: bytes = msgpack.packb(
-        {
-            "type": "annotation",
-            "sequence": sequence,
-            "frame": frame,
-            "revision": revision,
-            "base": base,
-            "edit": edit,
-            "author": author,
-            "provisional": provisional,
-            "first": first,
-            "count": count,
-            "lengths": lengths.astype("<u4").tobytes(),
-            "values": values.astype("<u2").tobytes(),
-        }
-    )
+@dataclass(frozen=True)
+class _Head:
+    """Fields of an ``annotation`` message in the order of the wire, without its arrays."""
+
+    sequence: str
+    frame: int
+    revision: int
+    base: int | None
+    edit: str | None = None
+    author: str | None = None
+    provisional: bool = False
+    first: int = 0
+    count: int = 0
+
+
+def _annotation(head: _Head, lengths: NDArray[Any], values: NDArray[Any]) -> bytes:
+    arrays = {
+        "lengths": lengths.astype("<u4").tobytes(),
+        "values": values.astype("<u2").tobytes(),
+    }
+    packed: bytes = msgpack.packb({"type": "annotation"} | vars(head) | arrays)
     return packed

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Any
 
 from pointbrush import __version__
@@ -42,42 +43,42 @@ SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in EDITS))
 """Types of messages that wait for files, the database, or each other."""
 
 
+@dataclass(frozen=True)
+class Admitted:
+    """A person with access, and the checks of this access."""
+
+    author: str
+    """Account of the person's edits."""
+    name: str
+    """Displayed name."""
+    role: messages.Role
+    shared: bool
+    """Several people may use the token, and ``hello`` sets the displayed name."""
+    require_admitted: Callable[[], None]
+    """Raises UnauthorizedError once the token is not valid."""
+    role_in: Callable[[str], messages.Role | None] | None = None
+    """Returns the role in a recording, or None without access; default: ``role``."""
+    sees: Callable[[Job], bool] = lambda _: True
+    """Returns whether the person may see a job; default: every job."""
+
+
 class ViewerSession(Viewer):
     """A viewer and the handlers of its messages."""
 
     def __init__(
-        self,
-        hub: Hub,
-        send: Send,
-        *,
-        author: str,
-        name: str,
-        role: messages.Role,
-        shared: bool,
-        require_admitted: Callable[[], None],
-        role_in: Callable[[str], messages.Role | None] | None = None,
-        sees: Callable[[Job], bool] | None = None,
-        send_each: SendEach | None = None,
+        self, hub: Hub, send: Send, admitted: Admitted, send_each: SendEach | None = None
     ) -> None:
-        """``author``: the account of the viewer's edits; ``name``: its displayed name.
-
-        ``shared``: several people may use this token, and ``hello`` sets the displayed name.
-        ``require_admitted`` raises UnauthorizedError once the viewer's token is not valid.
-        ``role_in`` returns the role in a recording, or None without access; default: ``role``.
-        ``sees`` returns whether the viewer may see a job; default: every job.
-        """
         super().__init__(
             send,
-            author=author,
-            role=role,
+            author=admitted.author,
+            role=admitted.role,
             load=hub.load,
             send_each=send_each,
             public=hub.workspace.paths.hide,
         )
-        self.hub, self._shared, self.name = hub, shared, name
-        self._require_admitted = require_admitted
-        self._role_in = role_in or (lambda _: role)
-        self._sees = sees or (lambda _: True)
+        self.hub, self._shared, self.name = hub, admitted.shared, admitted.name
+        self._require_admitted, self._sees = admitted.require_admitted, admitted.sees
+        self._role_in = admitted.role_in or (lambda _: admitted.role)
         self.expelled = False
         """The viewer's token is no longer valid."""
         self.closing = asyncio.Event()

@@ -12,7 +12,7 @@ from pointbrush.accounts.roles import require
 from pointbrush.errors import ForbiddenError, PointbrushError, UnauthorizedError
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
-from pointbrush.streaming.session import ViewerSession
+from pointbrush.streaming.session import Admitted, ViewerSession
 from pointbrush.system.resources import shortage
 from pointbrush.web.admissions import Admissions
 from pointbrush.web.auth import Gate, Principal
@@ -68,14 +68,16 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
     session = ViewerSession(
         hub,
         link.deliver,
+        Admitted(
+            principal.author,
+            principal.name,
+            principal.role,
+            principal.shared,
+            require_admitted=lambda: still_admitted(socket, principal),
+            role_in=lambda sequence: gate.role_in(principal, sequence),
+            sees=lambda job: gate.may_see_job(principal, job),
+        ),
         send_each=link.deliver_each,
-        author=principal.author,
-        name=principal.name,
-        role=principal.role,
-        shared=principal.shared,
-        role_in=lambda sequence: gate.role_in(principal, sequence),
-        sees=lambda job: gate.may_see_job(principal, job),
-        require_admitted=lambda: still_admitted(socket, principal),
     )
 
     async def receive() -> bytes | None:
