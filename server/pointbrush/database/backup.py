@@ -82,14 +82,18 @@ def move(source_url: str, target_url: str) -> None:
     try:
         migrate(source)
         migrate(target)
-        reading = source.write() if source.sqlite else source.read()
-        with reading as reader, target.write() as writer:
-            _copy_rows(reader, writer)
-            if not target.sqlite:
-                writer.execute(text(_CONTINUE_NUMBERS))
+        with source.write() if source.sqlite else source.read() as reader:
+            _fill(target, reader)
     finally:
         source.close()
         target.close()
+
+
+def _fill(target: Database, reader: Connection) -> None:
+    with target.write() as writer:
+        _copy_rows(reader, writer)
+        if not target.sqlite:
+            writer.execute(text(_CONTINUE_NUMBERS))
 
 
 def restore_sequence(
@@ -161,10 +165,8 @@ def restore(source: Path, url: str) -> None:
         target = Database(url)
         try:
             migrate(target)
-            with original.read() as reader, target.write() as writer:
-                _copy_rows(reader, writer)
-                if not target.sqlite:
-                    writer.execute(text(_CONTINUE_NUMBERS))
+            with original.read() as reader:
+                _fill(target, reader)
         finally:
             target.close()
 

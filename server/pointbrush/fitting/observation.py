@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from pointbrush.errors import BadInputError
 from pointbrush.fitting.options import FitOptions
 from pointbrush.fitting.rays import ground_height
+from pointbrush.geometry.rotations import upright_axes
 
 Floats = NDArray[np.float64]
 NO_POINTS: Floats = np.zeros((0, 3))
@@ -94,7 +95,7 @@ def near_rays(
 
     They are around it, or their rays pass within ``reach`` metres in plan or end in front of it.
     """
-    R = level_axes(up)
+    R = upright_axes(up)
     plan = np.asarray(others, np.float64) @ R[:2].T
     middle = np.median(xyz, axis=0) @ R[:2].T
     if sensor is None:
@@ -105,15 +106,6 @@ def near_rays(
     part = np.clip(along @ (middle - eye) / length, 0, 1)
     away = ((along * part[:, None] + eye - middle) ** 2).sum(axis=1)
     return np.asarray(others[away < reach * reach], np.float64)
-
-
-def level_axes(up: Floats) -> Floats:
-    """Return ``R_level_source`` (3, 3): rows forward, left, up; the identity for z up."""
-    vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
-    aside = np.eye(3)[2 if abs(vertical[2]) < 0.9 else 0]
-    forward = aside - vertical * (aside @ vertical)
-    forward /= np.linalg.norm(forward)
-    return np.stack([forward, np.cross(vertical, forward), vertical])
 
 
 def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[list[View], bool]:
@@ -129,7 +121,7 @@ def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[
             for each, up in zip(observations, ups, strict=True)
             if each.T_world_frame is not None
         ]
-        common = level_axes(np.mean(turned, axis=0))
+        common = upright_axes(np.mean(turned, axis=0))
     views = []
     for each, up in zip(observations, ups, strict=True):
         T = np.eye(4)
@@ -137,7 +129,7 @@ def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[
             T[:3, :3] = common
             T = T @ each.T_world_frame
         else:
-            T[:3, :3] = level_axes(up)
+            T[:3, :3] = upright_axes(up)
         view = _view(each, T, options)
         if len(view.xyz) >= options.least_points:
             views.append(view)

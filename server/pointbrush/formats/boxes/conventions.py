@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.formats.boxes.rotations import euler_angles, euler_matrix
 from pointbrush.geometry.oriented_box import Attributes
 from pointbrush.geometry.quaternions import quaternion_of, rotation_of
+from pointbrush.geometry.rotations import euler_angles, euler_matrix
 
 Floats = NDArray[np.float64]
 Turn = Literal["xyz", "zyx", "y", "z", "wxyz", "xyzw"]

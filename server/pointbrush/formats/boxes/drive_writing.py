@@ -22,10 +22,10 @@ from pointbrush.formats.boxes.drives import (
     WAYMO_TYPES,
 )
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
 from pointbrush.formats.readers.feather import PLACE, POSES, STAMP
 from pointbrush.geometry.quaternions import quaternion_of
+from pointbrush.geometry.rotations import upright_axes
 
 Floats = NDArray[np.float64]
 Record = dict[str, Any]

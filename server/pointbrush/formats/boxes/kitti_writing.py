@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.conventions import numbers_by
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
 from pointbrush.geometry.oriented_box import UNKNOWN_OCCLUSION, AttributeValue
+from pointbrush.geometry.rotations import upright_axes
 
 Floats = NDArray[np.float64]
 CAMERA_OF_UPRIGHT = np.array([[0.0, -1, 0], [0, 0, -1], [1, 0, 0]])

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.writers.labeled import ExportFrame, Palette, category_of
 from pointbrush.formats.writers.output import Output
 from pointbrush.formats.writers.points import write_palette
+from pointbrush.geometry.rotations import upright_axes
 
 Matrix = NDArray[np.float64]
 # More edges than this gain less than a thousandth of the area.

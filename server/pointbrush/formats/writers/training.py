@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.figures import FrameBox
 from pointbrush.formats.boxes.openpcdet import box_line
-from pointbrush.formats.boxes.rotations import upright_axes
 from pointbrush.formats.readers.npy import write_column
 from pointbrush.formats.tables.numbering import TRAINING_NUMBERS
 from pointbrush.formats.tables.table import Spools
@@ -32,6 +31,7 @@ from pointbrush.formats.writers.placement import (
 )
 from pointbrush.formats.writers.points import write_palette
 from pointbrush.formats.writers.whole_boxes import boxes_of
+from pointbrush.geometry.rotations import upright_axes
 
 NONE = -1
 """Value of Pointcept for points without a class or an instance."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pointbrush.geometry.box_overlap import shared_volume
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind, usual_step
 from pointbrush.work.reviewing.checks.positions import Place, as_place
 
 F64 = NDArray[np.float64]
@@ -121,9 +121,7 @@ def jumps(
             if frame - 1 in Ts
         }
         for frame, step in steps.items():
-            near = range(frame - options.window, frame + options.window + 1)
-            others = [steps[n] for n in near if n != frame and n in steps]
-            usual = float(np.median(others)) if others else 0.0
+            usual = usual_step(steps, frame, options.window)
             cosine = float(Ts[frame][:3, 0] @ Ts[frame - 1][:3, 0])
             turned = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
             told = ""

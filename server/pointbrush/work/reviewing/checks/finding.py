@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import get_args
+from statistics import median
+from typing import Literal, get_args
 
 from pointbrush.values.review import FindingKind
 
@@ -109,3 +111,9 @@ class CheckOptions:
         for field in fields(self):
             if not getattr(self, field.name) > 0:
                 raise ValueError(f"{field.name}: expected more than 0")
+
+
+def usual_step(steps: Mapping[int, float], frame: int, window: int) -> float:
+    """Return the median step, metres, to frames within ``window`` frames of one; 0 without any."""
+    others = [step for n, step in steps.items() if 0 < abs(n - frame) <= window]
+    return median(others) if others else 0.0

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from pointbrush.labels import Label
 from pointbrush.selection.cluster import touching
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, usual_step
 
 F64 = NDArray[np.float64]
 Place = tuple[float, float, float]
@@ -135,9 +135,7 @@ def jumps(palette: Sequence[Label], sketches: Sketches, options: CheckOptions) -
             if frame - 1 in mine
         }
         for frame, step in steps.items():
-            near = range(frame - options.window, frame + options.window + 1)
-            others = [steps[n] for n in near if n != frame and n in steps]
-            usual = float(np.median(others)) if others else 0.0
+            usual = usual_step(steps, frame, options.window)
             if step > max(options.jump, options.jump_factor * usual):
                 text = f"“{label.name}” jumps {step:.1f} m from the previous frame"
                 yield Finding("jump", text, (label.id,), frame, frame, mine[frame].center)
