@@ -81,7 +81,7 @@ class Smoother:
                 if state is not None and own is not None:
                     taken = np.concatenate([own[:0], *held.result.assignments.values()])
                     state = replace(state, state="tracked", confidence=confidence)
-                    own = own[~held.view.marked(taken)[own]]
+                    own = own[~np.isin(own, taken)]
                     self._held[at] = held.improve(label, state, own)
 
     def take(
