@@ -165,3 +165,13 @@ def test_a_raised_arm_is_nobody_elses() -> None:
     observation.owner[:] = 1
     come_back(observation, [both, gone], 30, now=10)
     assert np.all(observation.owner == 1)
+
+
+@pytest.mark.parametrize(("well", "cap"), [(4, OPTIONS.body.doubted_confidence), (8, 1.0)])
+def test_who_was_long_seen_in_scraps_at_a_side_may_be_another(well: int, cap: float) -> None:
+    person = somebody(1, 0.0, RED, well=well)
+    person.at_side = True
+    observation = staged(body(0.0, RED))
+    observation.owner[:] = 1
+    person.follow(observation, np.zeros(3), 9)
+    assert person.identity.cap == cap

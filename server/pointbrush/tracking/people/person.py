@@ -103,8 +103,8 @@ class Person:
     ``since``: first frame; ``back``: frame of the last reappearance; ``step`` (3,): metres in the
     last frame; ``went`` (3,): metres since the start; ``size``: maximum number of cells; ``last``:
     their number in the last frame; ``area``: maximum visible surface; ``spread``: spread on the
-    ground (m) when painted; ``at_side``: whether they touched a side of the picture when last seen;
-    ``missing``: frames since then; ``well``: last frame with more than scraps of them; ``known``
+    ground (m) when painted; ``at_side``: whether they touched a side of the picture when last seen,
+    or since they were last seen well; ``well``: last frame with more than scraps of them; ``known``
     (S, 3): their surface in it; ``mistaken``: consecutive frames with clothes exchanged with
     another person; ``ways`` (2,): positions on the ground in the last frames; ``seen``: points (M,)
     by frame of a newcomer who may be recognised later, then of the person.
@@ -169,6 +169,10 @@ class Person:
             < self.options.body.scrap_share * self.area
         )
 
+    def left(self, now: int) -> bool:
+        """Return whether they left at a side of the picture, since only scraps are visible."""
+        return self.at_side and self.well < now - 1
+
     def likeness(self, colour: F32 | None) -> float:
         """Return the mean log likelihood of colours (M, 3) for their clothes over the usual one.
 
@@ -218,8 +222,6 @@ class Person:
         self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
         if self.frames_unseen:
             self.step, self.back = np.zeros(3), now
-            if self.at_side and self.frames_unseen > self.options.arrivals.missing_frames:
-                self.identity.cap = min(self.identity.cap, options.doubted_confidence)
         else:
             self.step = (
                 step.copy()
@@ -234,9 +236,11 @@ class Person:
         area = observation.area(cells)
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
+            if self.left(now - self.options.arrivals.missing_frames):
+                self.identity.cap = min(self.identity.cap, options.doubted_confidence)
             self.well, self.known = now, self.xyz
         self.frames_unseen, self.age = 0, self.age + 1
-        self.at_side = observation.at_side(cells)
+        self.at_side = observation.at_side(cells) or self.left(now)
         self.ways.append(self.went @ observation.flat)
 
     def gone(self) -> tuple[int, float] | None:
