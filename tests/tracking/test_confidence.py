@@ -57,6 +57,14 @@ def test_what_bends_and_shrinks_is_not_trusted() -> None:
     )
 
 
+def test_unclaimed_surface_that_touches_an_object_speaks_against_it() -> None:
+    alone = replace(GOOD, points=1000)
+    by_a_hand, half = (replace(alone, beside=ratio) for ratio in (0.1, 0.3))
+    options = OPTIONS.confidence
+    assert likelihood(by_a_hand, options=options) == likelihood(alone, options=options) > 0.9
+    assert likelihood(half, options=options) < 0.5
+
+
 def test_what_a_lidar_left_beside_a_thing_speaks_against_it() -> None:
     """Half a car, and a car whose neighbour was taken for it, leave points unclaimed beside it."""
     alone = replace(GOOD, pixels=False, scans=True, left=0.01, others=0.1)

@@ -33,7 +33,8 @@ class Evidence:
     ``pixels``: whether the sensor has a pixel grid; ``scans``: whether it is a lidar; ``soft``:
     whether the object bends; ``left`` and ``others``: ratios of adjacent moving points, unassigned
     and of other tracks, to its own; ``tall``: its height over its model's; ``bend``: share that one
-    motion does not explain; ``coarse``: its unit over its radius.
+    motion does not explain; ``coarse``: its unit over its radius; ``beside``: ratio of unclaimed
+    moving points that touch a small object to its own.
     """
 
     inliers: float
@@ -57,6 +58,7 @@ class Evidence:
     tall: float = 1.0
     bend: float = 0.0
     coarse: float = 0.05
+    beside: float = 0.0
 
 
 def likelihood(evidence: Evidence, body: bool = False, *, options: ConfidenceOptions) -> float:
@@ -96,6 +98,7 @@ def _features(evidence: Evidence, options: ConfidenceOptions) -> dict[str, float
         "tall": abs(log_ratio(evidence.tall, options.max_log_size)),
         "bend": evidence.bend,
         "coarse": log_ratio(evidence.coarse, options.max_log_coarse),
+        "beside": max(evidence.beside - options.usual_beside, 0.0),
     }
 
 

@@ -22,6 +22,7 @@ class FitWeights(Weights):
     grown: float = -6.0
     isolated: float = 2.685
     share: float = -0.765
+    beside: float = -40.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +67,7 @@ class ConfidenceOptions(Options):
     few_weight: float = 3.75  # weight of the log share of them that there are
     pointlike_ratio: float = 1.0  # units over radius from which an object is one place
     bent_change_weight: float = 5.25  # weight of a changed size of a bending object
+    usual_beside: float = 0.12  # ratio of touching points that a hand may have
     # Usual cost from which a track's cost counts as a multiple of it.
     usual_cost: PositiveFloat = 1.2
     max_log_size: float = 2.0  # greatest log ratio of size and height

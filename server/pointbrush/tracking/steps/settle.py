@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.compute.grid import bounds, within
+from pointbrush.tracking.compute.grid import bounds, close_to, within
 from pointbrush.tracking.compute.rigid import transform, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, State, TrackOptions, TrackState
 from pointbrush.tracking.model.appearance import ColourHistogram
@@ -62,7 +62,27 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
         tall=_height(track, view, fit, points),
         bend=track.bending.share,
         coarse=track.unit / max(track.model.radius, track.unit),
+        beside=_unclaimed_beside(track, observation, points),
     )
+
+
+def _unclaimed_beside(track: Track, observation: Observation, points: I64) -> float:
+    """Return the number of unclaimed moving points that touch a small object, over its ``points``.
+
+    They may be sides of it that were not found.  Points of lidars are too sparse to touch.
+    """
+    view, fit, given = observation.view, observation.fit, observation.given
+    if view.lens is None or track.large or not len(points):
+        return 0.0
+    taken = np.zeros(len(view.xyz), np.bool_)
+    taken[np.concatenate([points, given.owned, given.neutral])] = True
+    own, reach = view.xyz[points].astype(np.float64), view.options.claim.touching_units * track.unit
+    lo, hi = bounds(own)
+    rest = fit.moving[~taken[fit.moving]]
+    rest = rest[within(view.xyz[rest], lo - reach, hi + reach)]
+    if not len(rest):
+        return 0.0
+    return float(close_to(view.xyz[rest].astype(np.float64), own, reach).sum() / len(points))
 
 
 def _beside(
