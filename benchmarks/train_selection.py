@@ -297,8 +297,8 @@ def session(
     wanted, unwanted, found = first, np.empty((0, 3)), []
     taken: NDArray[np.bool_] | None = None
     for _ in range(further + 1):
-        yes = place_clicks(state, wanted, "positives")
-        no = place_clicks(state, unwanted, "negatives")
+        yes = place_clicks(state, wanted, "positives", first=taken is None)
+        no = place_clicks(state, unwanted, "negatives", first=taken is None)
         proposals = propose(state, yes, no, taken, model, lesson.options)
         good = overlaps(state, proposals.unions, truth)
         features = proposals.features if lesson.grown else proposals.features[:, :SUPPORT]

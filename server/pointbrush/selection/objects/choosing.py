@@ -23,7 +23,7 @@ from pointbrush.selection.objects.clicks import (
 from pointbrush.selection.objects.options import LadderOptions, ObjectOptions
 from pointbrush.selection.objects.state import ObjectState
 from pointbrush.selection.objects.unions import Origin, Unions, find_unions
-from pointbrush.selection.objects.value import expected_iou, value_features
+from pointbrush.selection.objects.value import REGION, expected_iou, value_features
 from pointbrush.selection.objects.weights import Forest, Weights, built_in
 
 Mask = NDArray[np.bool_]
@@ -160,6 +160,12 @@ def _widened(
     return replace(found, unions=replace(found.unions, masks=wider))
 
 
+def _likely_right(found: Proposals, options: LadderOptions) -> bool:
+    """Whether contradicting clicks lie near the border of what is taken."""
+    spread = found.features[-1, REGION + 4]
+    return found.taken is not None and found.taken.far <= options.sure_far * spread
+
+
 def _calibrated(
     score: NDArray[np.float64], shown: float, options: LadderOptions
 ) -> NDArray[np.float64]:
@@ -207,8 +213,9 @@ def candidates(
     Raises BadInputError for clicks that are not finite and for a mask out of range.
     """
     options = options or ObjectOptions()
-    wanted = place_clicks(state, positives, "positives", options.clicks)
-    unwanted = place_clicks(state, negatives, "negatives", options.clicks)
+    first = mask is None or np.size(mask) == 0
+    wanted = place_clicks(state, positives, "positives", options.clicks, first)
+    unwanted = place_clicks(state, negatives, "negatives", options.clicks, first)
     if len(wanted) == 0:
         return []
     model = weights or built_in(state.sensor)
@@ -218,8 +225,9 @@ def candidates(
     kept = None if found.taken is None else len(score) - 1
     alone = np.isin(found.unions.origin, (Origin.TREE, Origin.GROWN))
     ladder = options.ladder
-    corrected = len(wanted) + len(unwanted) > 2
-    sure = kept is not None and corrected and score[kept] >= ladder.sure
+    sure = _likely_right(found, ladder)
+    if sure and found.taken is not None:
+        found = replace(found, taken=replace(found.taken, cells=found.taken.least))
     lidar_keep = ladder.sure_keep if sure else ladder.keep
     margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": lidar_keep}
     flat = next(iter(np.flatnonzero(found.unions.origin == Origin.PLANE).tolist()), None)

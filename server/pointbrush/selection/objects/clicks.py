@@ -44,10 +44,12 @@ def place_clicks(
     at: NDArray[np.floating],
     name: str,
     options: ClickOptions | None = None,
+    first: bool = True,
 ) -> Clicks:
     """Return clicks (K, 3) on the nearest cells, except isolated ones if a piece is within reach.
 
-    A click on an isolated lidar return moves to the nearest piece in about the same direction.
+    With ``first``, so while nothing is taken, a click on an isolated lidar return moves to the
+    nearest piece in about the same direction; later ones correct exactly where they are.
     Raises BadInputError unless they are finite and 3 wide.
     """
     options = options or ClickOptions()
@@ -61,7 +63,7 @@ def place_clicks(
     real = state.sums[: state.piece_count, sums.COUNT] >= options.real_cells
     reach = options.real_reach * state.size
     cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
-    if state.sensor == "lidar":
+    if first and state.sensor == "lidar":
         beside = [_beside(state, *each, real, options) for each in zip(points, cell, strict=True)]
         moved = np.array(beside, np.int64) != cell
         if moved.any():
@@ -139,11 +141,15 @@ def _away(cells: NDArray[np.float32], clicks: Floats) -> Floats:
 class Taken:
     """``cells`` (C,): mask of cells taken so far, corrected around contradicting clicks.
 
+    ``least`` (C,): the same with small corrections, for lidar selections that are likely right;
+    ``far``: distance of the farthest contradicting click from their border, metres;
     ``pieces`` (P,): mask of pieces with most cells taken before; ``missed``: pieces of wanted
     clicks outside; ``surplus``: pieces of unwanted clicks inside.
     """
 
     cells: Mask
+    least: Mask
+    far: float
     pieces: Mask
     missed: Ints
     surplus: Ints
@@ -171,14 +177,24 @@ def taken_so_far(
     of_piece = np.bincount(state.piece, minlength=state.piece_count)
     pieces = 2 * np.bincount(state.piece[cells], minlength=state.piece_count) > of_piece
     missed, surplus = ~cells[wanted.cell], cells[unwanted.cell]
-    patched = cells.copy()
-    for at, piece in zip(wanted.at[missed], wanted.piece[missed], strict=True):
-        patched[_added(state, at, int(piece), cells, options)] = True
-    for at, piece in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
-        patched[_touched(state, at, int(piece), ~cells, options)] = False
-    patched[wanted.cell] = True
-    patched[unwanted.cell] = False
-    return Taken(patched, pieces, wanted.piece[missed], unwanted.piece[surplus])
+    most = max(int(options.sure_patch * np.count_nonzero(cells)), 1)
+    away = [_clearance(state, at, cells) for at in wanted.at[missed]]
+    away += [_clearance(state, at, ~cells) for at in unwanted.at[surplus]]
+
+    def corrected(most: int, share: float) -> Mask:
+        patched = cells.copy()
+        for at, piece in zip(wanted.at[missed], wanted.piece[missed], strict=True):
+            patched[_added(state, at, int(piece), cells, most, share, options)] = True
+        for at, piece in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
+            patched[_touched(state, at, int(piece), ~cells, most, options)] = False
+        patched[wanted.cell] = True
+        patched[unwanted.cell] = False
+        return patched
+
+    wide = corrected(len(cells), 1.0)
+    least = corrected(most, options.sure_added_share) if state.sensor == "lidar" else wide
+    far = max(away, default=0.0)
+    return Taken(wide, least, far, pieces, wanted.piece[missed], unwanted.piece[surplus])
 
 
 def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer] | Mask:
@@ -190,20 +206,35 @@ def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer]
     return mask if len(mask) else np.empty(0, np.int64)
 
 
-def _added(state: ObjectState, at: Floats, piece: int, taken: Mask, options: ClickOptions) -> Ints:
-    """Return cells of a piece nearer to a click than ``taken`` cells (C,); all, if most are."""
+def _added(
+    state: ObjectState,
+    at: Floats,
+    piece: int,
+    taken: Mask,
+    most: int,
+    share: float,
+    options: ClickOptions,
+) -> Ints:
+    """Return cells of a piece around a click, at most ``most``.
+
+    They lie within a share of the distance to ``taken`` cells (C,); all, if most do.
+    """
     own = np.flatnonzero(state.piece == piece)
-    near = _ball(state, own, at, _clearance(state, at, taken), options)
-    return own if len(near) >= options.whole_share * len(own) else near
+    near = _ball(state, own, at, share * _clearance(state, at, taken), options)[:most]
+    whole = len(near) >= options.whole_share * len(own) and len(own) <= most
+    return own if whole else near
 
 
 def _touched(
-    state: ObjectState, at: Floats, piece: int, outside: Mask, options: ClickOptions
+    state: ObjectState, at: Floats, piece: int, outside: Mask, most: int, options: ClickOptions
 ) -> Ints:
-    """Return cells of a piece around a click, within a share of the distance to ``outside``."""
+    """Return cells of a piece around a click, at most ``most``.
+
+    They lie within a share of the distance to cells ``outside`` (C,).
+    """
     own = np.flatnonzero(state.piece == piece)
     radius = options.removed_share * _clearance(state, at, outside)
-    return _ball(state, own, at, radius, options)
+    return _ball(state, own, at, radius, options)[:most]
 
 
 def _clearance(state: ObjectState, at: Floats, border: Mask) -> float:
@@ -213,5 +244,8 @@ def _clearance(state: ObjectState, at: Floats, border: Mask) -> float:
 
 
 def _ball(state: ObjectState, own: Ints, at: Floats, radius: float, options: ClickOptions) -> Ints:
+    """Return the cells within a radius in metres, nearest first."""
     away = np.linalg.norm(state.center[own] - at, axis=1)
-    return np.asarray(own[away <= max(radius, options.least_cells * state.size)])
+    order = np.argsort(away, kind="stable")
+    near = away[order] <= max(radius, options.least_cells * state.size)
+    return np.asarray(own[order[near]])

@@ -167,10 +167,11 @@ class LadderOptions(Positive):
     """Share of a plane that the level shown first may reach beyond it and still nest with it."""
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
-    sure: float = 0.7
-    """Score of the kept selection from which ``sure_keep`` replaces ``keep`` in lidar frames."""
-    sure_keep: float = 0.1
-    """As ``keep``, for such a selection: after corrections, it is better than its score."""
+    sure_far: float = 1.2
+    """Times the standard deviation of a lidar selection along its longest axis: if contradicting
+    clicks lie nearer to its border, it is likely right."""
+    sure_keep: float = 0.12
+    """As ``keep``, for such a selection: once corrected, it is better than its score."""
     room_keep: float = 0.08
     """The same in scanned rooms, where scores are less sure."""
     camera_keep: float = 0.06
@@ -211,6 +212,11 @@ class ClickOptions(Positive):
 
     least_cells: float = 1.5
     """Times the cell size; the smallest radius of a patch."""
+    sure_added_share: float = 0.5
+    """Share of the way to what is taken within which a wanted click adds cells to a lidar
+    selection that is likely right; all of that way otherwise."""
+    sure_patch: float = 0.03
+    """Share of the cells of such a selection that one click adds or removes at most."""
     removed_share: float = 0.5
     """Share of the way to what is not taken within which an unwanted click takes away."""
     whole_share: float = 0.5
