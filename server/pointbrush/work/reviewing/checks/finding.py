@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import get_args
 from statistics import median
-from typing import Literal, get_args
+from typing import get_args
 
 from pointbrush.values.review import FindingKind
 
