@@ -93,7 +93,7 @@ class Wanted:
         options = self.options
         name = options.name or (self.upload.name if self.upload else None)
         return {
-            "name": name, "fps": options.fps, "roots": self.roots,
+            "name": name, "fps": options.fps, "roots": tuple(self.roots),
             "chosen": parse_corrections(chosen(Corrections, options)),
             "project": options.project,
         }  # fmt: skip
