@@ -17,7 +17,7 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.settings import Settings
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.faults.server import running
 from tests.serving import settings_in

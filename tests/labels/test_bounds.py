@@ -17,8 +17,8 @@ from pointbrush.labels.classes import palette
 from pointbrush.teamwork import projects, tasks, webhooks
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch
-from pointbrush.values.projects import ProjectPatch
-from pointbrush.values.tasks import NewTasks
+from pointbrush.values.team.projects import ProjectPatch
+from pointbrush.values.team.tasks import NewTasks
 from pointbrush.work.classifiers import files
 from pointbrush.work.classifiers.files import ClassifierFiles
 from pointbrush.work.projects import queue

@@ -15,7 +15,7 @@ from pointbrush.database import backup
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch, Task, Wanted
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 from pointbrush.work.backups.backup import make_backup
 from pointbrush.workspace import Workspace
 from tests.old_workspace import old_workspace

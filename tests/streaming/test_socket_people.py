@@ -13,7 +13,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from pointbrush.client import Client
-from pointbrush.web.admissions import RECHECK_SECONDS
+from pointbrush.web.security.admissions import RECHECK_SECONDS
 from pointbrush.web.socket import CLOSE_SECONDS
 from pointbrush.work.projects.copies import make_copy
 from tests.serving import Served

@@ -18,7 +18,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from pointbrush.streaming.schema import subprotocol
-from pointbrush.web.roles import ROUTES
+from pointbrush.web.security.roles import ROUTES
 from tests.faults.server import ServerProcess
 from tests.torture.framework import Tally
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from pointbrush.web.clients import FORWARDING, Clients
+from pointbrush.web.security.clients import FORWARDING, Clients
 from tests.serving import Served, serving, settings_in
 from tests.waiting import eventually
 

@@ -15,9 +15,9 @@ from cryptography.hazmat.primitives.asymmetric import rsa
 from postgres import postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import BadInputError
-from pointbrush.web import oidc
 from pointbrush.web.app import create_app
-from pointbrush.web.sign_ins import FROM_ONE_ADDRESS
+from pointbrush.web.security import oidc
+from pointbrush.web.security.sign_ins import FROM_ONE_ADDRESS
 from pointbrush.workspace import Workspace
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.waiting import PATIENCE, eventually

@@ -15,7 +15,7 @@ from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.web.app import create_app
-from pointbrush.web.roles import CANCEL_ANY, OPEN, PREFIX, ROUTES, call_of
+from pointbrush.web.security.roles import CANCEL_ANY, OPEN, PREFIX, ROUTES, call_of
 from tests.serving import Served
 from tests.waiting import eventually
 
@@ -38,7 +38,7 @@ def routes_of(router: Any) -> Iterator[tuple[str, str]]:
 def test_every_route_has_a_role_and_every_role_a_route(served: Served) -> None:
     found = set(routes_of(create_app(served.workspace, served.workspace.settings)))
     assert len(found) > 30
-    assert found - OPEN - ROUTES.keys() == set(), "calls without a role, in web/roles.py"
+    assert found - OPEN - ROUTES.keys() == set(), "calls without a role, in web/security/roles.py"
     assert (OPEN | ROUTES.keys()) - found == set(), "roles of calls that there are not"
     assert OPEN & ROUTES.keys() == set()
 

@@ -20,8 +20,8 @@ from waiting import PATIENCE, eventually
 
 from pointbrush.errors import BadInputError
 from pointbrush.settings import Settings
-from pointbrush.web import tls
-from pointbrush.web.clients import is_loopback
+from pointbrush.web.security import tls
+from pointbrush.web.security.clients import is_loopback
 from pointbrush.web.server import expect_tracking, listen, page_url, require_safe
 from pointbrush.workspace import Workspace
 from tests.forked import ForkedCommand, first_line, run

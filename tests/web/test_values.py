@@ -15,9 +15,10 @@ from fastapi.routing import APIRoute
 
 from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.settings import Settings
-from pointbrush.values import labels, projects
+from pointbrush.values import labels
 from pointbrush.values.base import UNSET, Value
 from pointbrush.values.classes import value_classes
+from pointbrush.values.team import projects
 from pointbrush.web.app import create_app
 from pointbrush.web.routes.headset_checks import KeptHeadsetReport
 from pointbrush.web.strokes import FloorBody, ObjectBody, StrokeBody

@@ -21,7 +21,7 @@ from pointbrush.labels import Category, Label
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.teamwork.summaries import Effort, Search
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 

@@ -31,7 +31,7 @@ from pointbrush.database.statements import Statement, driver_of, upsert
 from pointbrush.database.statements import insert as insert_new
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.names import require_visible
-from pointbrush.values.accounts import LONGEST_NAME
+from pointbrush.values.team.accounts import LONGEST_NAME
 
 OWNER = "owner"
 """The account of scripts that send the server's own token."""

@@ -28,7 +28,6 @@ from pointbrush.client.recording import Recording
 from pointbrush.client.review import Review
 from pointbrush.client.steps import PATIENCE
 from pointbrush.client.watching import Doubt, Watch
-from pointbrush.values.accounts import Account, NewToken, Token
 from pointbrush.values.boxes import BoxPose, FittedBoxes
 from pointbrush.values.classifiers import Classifier, HeldOut, Place
 from pointbrush.values.edits import Edit, PastEdit
@@ -38,9 +37,11 @@ from pointbrush.values.imports import Entry, ImportPreview
 from pointbrush.values.jobs import Job
 from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
-from pointbrush.values.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
 from pointbrush.values.recordings import Bounds, Manifest
-from pointbrush.values.review import (
+from pointbrush.values.taxonomy import BoxAttribute, Category
+from pointbrush.values.team.accounts import Account, NewToken, Token
+from pointbrush.values.team.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
+from pointbrush.values.team.review import (
     Agreement,
     BoxAgreement,
     BoxScore,
@@ -52,11 +53,10 @@ from pointbrush.values.review import (
     LabelAgreement,
     Standing,
 )
-from pointbrush.values.snapshots import Difference, FrameDifference, LabelDifference, Snapshot
-from pointbrush.values.tasks import CopyAgreement, Disagreement, Score, Task, TaskEvent
-from pointbrush.values.taxonomy import BoxAttribute, Category
+from pointbrush.values.team.snapshots import Difference, FrameDifference, LabelDifference, Snapshot
+from pointbrush.values.team.tasks import CopyAgreement, Disagreement, Score, Task, TaskEvent
+from pointbrush.values.team.webhooks import Delivery, SecretWebhook, Webhook
 from pointbrush.values.tracking import Run, Track
-from pointbrush.values.webhooks import Delivery, SecretWebhook, Webhook
 
 __all__ = [
     "PATIENCE",

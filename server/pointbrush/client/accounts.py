@@ -7,8 +7,8 @@ from urllib.parse import quote
 
 from pointbrush.client.answers import read
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.values.accounts import Account, NewAccount, NewToken, NewTokenRequest, Token
 from pointbrush.values.kinds import Role
+from pointbrush.values.team.accounts import Account, NewAccount, NewToken, NewTokenRequest, Token
 
 
 class Accounts(Part[L]):

@@ -13,9 +13,9 @@ from pointbrush.values.base import UNSET
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
 from pointbrush.values.kinds import Role, TaskState
-from pointbrush.values.projects import NewProject, ProjectInfo, ProjectPatch, Statistics
-from pointbrush.values.snapshots import Difference, Snapshot
-from pointbrush.values.tasks import (
+from pointbrush.values.team.projects import NewProject, ProjectInfo, ProjectPatch, Statistics
+from pointbrush.values.team.snapshots import Difference, Snapshot
+from pointbrush.values.team.tasks import (
     CopyAgreement,
     CopyMerge,
     NewTasks,
@@ -26,7 +26,7 @@ from pointbrush.values.tasks import (
     TaskPatch,
     Work,
 )
-from pointbrush.values.webhooks import Delivery, NewWebhook, SecretWebhook, Topic, Webhook
+from pointbrush.values.team.webhooks import Delivery, NewWebhook, SecretWebhook, Topic, Webhook
 
 
 class Project(Part[L]):

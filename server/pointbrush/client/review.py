@@ -11,7 +11,7 @@ import httpx
 from pointbrush.client.answers import read, vector
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
 from pointbrush.client.uploads import AnyPath
-from pointbrush.values.review import (
+from pointbrush.values.team.review import (
     Agreement,
     Checked,
     Decision,

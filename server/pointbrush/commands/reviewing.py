@@ -24,8 +24,8 @@ from pointbrush.errors import BadInputError
 
 if TYPE_CHECKING:
     from pointbrush.commands.local import LocalClient
-    from pointbrush.values.review import BoxAgreement
-    from pointbrush.values.review import LabelAgreement as RemoteLabelAgreement
+    from pointbrush.values.team.review import BoxAgreement
+    from pointbrush.values.team.review import LabelAgreement as RemoteLabelAgreement
     from pointbrush.work.reviewing.comparing import LabelAgreement
 
 Agreeing: TypeAlias = "LabelAgreement | RemoteLabelAgreement"

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pointbrush.errors import PointbrushError, UnavailableError
 from pointbrush.exchange.outgoing import Bounds, exchange, parse_url, resolve
 from pointbrush.teamwork.webhooks import TOPICS, Delivery, Webhook, Webhooks
-from pointbrush.values.webhooks import Topic
+from pointbrush.values.team.webhooks import Topic
 
 log = logging.getLogger(__name__)
 LOOK_SECONDS = 1.0

@@ -14,7 +14,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.values.tasks import DisagreementKind
+from pointbrush.values.team.tasks import DisagreementKind
 
 Pairs = Mapping[tuple[int, int], int]
 """Points of each pair of labels, of the first and of the second annotation."""

@@ -29,7 +29,7 @@ from pointbrush.labels.classes.selection import selected
 from pointbrush.names import require_visible
 from pointbrush.teamwork.webhooks import forget_webhooks
 from pointbrush.values.base import UNSET
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 
 MOST_PROJECTS = 1_000
 """Limit for a workspace, as the list of projects is read and sent as a whole."""

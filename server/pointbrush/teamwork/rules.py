@@ -11,7 +11,7 @@ from pointbrush.errors import BadInputError, ConflictError, ForbiddenError
 from pointbrush.teamwork.reviews import Place
 from pointbrush.teamwork.tasks import TASK_STATES, Task
 from pointbrush.values.kinds import TaskState
-from pointbrush.values.tasks import TaskPatch
+from pointbrush.values.team.tasks import TaskPatch
 
 Maker = Literal["anyone", "assignee", "reviewer"]
 LEADS: Role = "manager"

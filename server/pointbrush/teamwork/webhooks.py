@@ -26,7 +26,7 @@ from pointbrush.database.project_tables import (
 from pointbrush.database.schema import LIVE, PROJECT_OF, WHOLE, edits, jobs, sequences
 from pointbrush.database.statements import insert
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.values.webhooks import Topic
+from pointbrush.values.team.webhooks import Topic
 
 TOPICS: tuple[Topic, ...] = get_args(get_args(Topic)[0])
 """Changes of tasks; edits of labels, combined; ended jobs."""

@@ -23,14 +23,14 @@ from pointbrush.settings.settings import Settings, variables
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web import page, problems, socket
-from pointbrush.web.admissions import Admissions
-from pointbrush.web.auth import SCHEMES, Gate, asks_who
 from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
-from pointbrush.web.roles import PREFIX
 from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
 from pointbrush.web.routes.export import Exports
+from pointbrush.web.security.admissions import Admissions
+from pointbrush.web.security.auth import SCHEMES, Gate, asks_who
+from pointbrush.web.security.roles import PREFIX
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
 from pointbrush.work.backups.series import BackupSchedule, BackupSeries

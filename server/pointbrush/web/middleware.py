@@ -21,9 +21,9 @@ from pointbrush.errors import (
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.system.resources import shortage
-from pointbrush.web.auth import Gate, bearer_of
-from pointbrush.web.clients import RateLimit
 from pointbrush.web.problems import LONGEST_PATH, problem_of
+from pointbrush.web.security.auth import Gate, bearer_of
+from pointbrush.web.security.clients import RateLimit
 
 log = logging.getLogger(__name__)
 PLAIN_HOST = re.compile(r"[\w.:\[\]-]+", re.ASCII)

@@ -14,9 +14,9 @@ from starlette.datastructures import URL
 
 from pointbrush.errors import NotFoundError, TooManyRequestsError, UnauthorizedError
 from pointbrush.streaming.shared.status import status_of
-from pointbrush.web.auth import Gate
-from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import EXTRA_HEADERS, problem
+from pointbrush.web.security.auth import Gate
+from pointbrush.web.security.cookies import set_cookie
 
 router = APIRouter(include_in_schema=False)
 PAGE = Path(__file__).parent / "page"

@@ -19,11 +19,11 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Commit
 from pointbrush.settings import Settings
 from pointbrush.web.app import create_app
-from pointbrush.web.clients import is_loopback
 from pointbrush.web.idle_timeout import idle_timeout_protocol
 from pointbrush.web.log_limits import limit_lines
 from pointbrush.web.logs import FORMATS, log_events, write_json
-from pointbrush.web.tls import Certificate, certificate, fingerprint
+from pointbrush.web.security.clients import is_loopback
+from pointbrush.web.security.tls import Certificate, certificate, fingerprint
 from pointbrush.web.websocket_protocol import WebSocketProtocol
 from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace

@@ -14,10 +14,10 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.schema import subprotocol
 from pointbrush.streaming.session import Admitted, ViewerSession
 from pointbrush.system.resources import shortage
-from pointbrush.web.admissions import Admissions
-from pointbrush.web.auth import Gate, Principal
 from pointbrush.web.problems import problem_of
-from pointbrush.web.roles import PREFIX, ROUTES
+from pointbrush.web.security.admissions import Admissions
+from pointbrush.web.security.auth import Gate, Principal
+from pointbrush.web.security.roles import PREFIX, ROUTES
 from pointbrush.web.websocket_protocol import WebSocketProtocol, link_of
 
 log = logging.getLogger(__name__)

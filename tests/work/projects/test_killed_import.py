@@ -12,7 +12,7 @@ from pointbrush.client import Client
 from pointbrush.errors import NotFoundError
 from pointbrush.labels.recordings import Recordings
 from pointbrush.sequences.storage.manifest import read_manifest
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 from pointbrush.workspace import Workspace
 from tests.forked import call
 from tests.serving import serving, settings_in

@@ -1,11 +1,8 @@
 """REST resources: one module per resource, each with a ``router``."""
 
 from pointbrush.web.routes import (
-    accounts,
-    agreement,
     annotations,
     boxes,
-    checks,
     classifiers,
     edits,
     events,
@@ -17,13 +14,18 @@ from pointbrush.web.routes import (
     labels,
     meta,
     objects,
-    projects,
-    review,
     sequences,
-    snapshots,
-    tasks,
     taxonomy,
     tracking,
+)
+from pointbrush.web.routes.team import (
+    accounts,
+    agreement,
+    checks,
+    projects,
+    review,
+    snapshots,
+    tasks,
     webhooks,
 )
 

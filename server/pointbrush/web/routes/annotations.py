@@ -22,10 +22,10 @@ from pointbrush.values.edits import Edit
 from pointbrush.values.imports import LabelImportOptions, LabelImportRequest
 from pointbrush.values.jobs import Job
 from pointbrush.web import npy
-from pointbrush.web.auth import Caller, Gate, resource
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.frames import BINARY, Written
+from pointbrush.web.security.auth import Caller, Gate, resource
 from pointbrush.web.upload_files import described, parse_form, parse_json, save
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.imports.options import BOX_CHOICES, LabelOptions

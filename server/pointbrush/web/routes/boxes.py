@@ -14,9 +14,9 @@ from pointbrush.values.boxes import Box, BoxEdit, Boxes, BoxFit, BoxPatch, BoxPo
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
 from pointbrush.values.kinds import FrameIndex, PaintId, Uuid
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 
 router = resource("boxes")
 BoxPath = Annotated[int, Path(ge=1, lt=2**31, description="box id")]

@@ -29,9 +29,9 @@ from pointbrush.values.classifiers import (
 )
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
-from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from fastapi.concurrency import run_in_threadpool
 from pointbrush.labels import EditInfo
 from pointbrush.values.edits import Edit, PastEdit, Undo
 from pointbrush.values.kinds import time_of
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.strokes import StrokeBody
 from pointbrush.workspace import Workspace
 

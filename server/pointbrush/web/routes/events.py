@@ -10,11 +10,11 @@ from fastapi import Query, Request
 
 from pointbrush.values.jobs import Job
 from pointbrush.values.tracking import Events
-from pointbrush.web.auth import resource
 from pointbrush.web.context import WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.routes.edits import past_edit
 from pointbrush.web.routes.tracking import track_of
+from pointbrush.web.security.auth import resource
 from pointbrush.web.watching import Watching
 from pointbrush.work.doubts import is_doubtful
 from pointbrush.workspace import Workspace

@@ -20,9 +20,9 @@ from starlette.types import Receive, Scope, Send
 from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.values.exports import ExportFormat
-from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, Gate, Principal, resource
 
 PIECES = 16
 PIECE = 256 << 10

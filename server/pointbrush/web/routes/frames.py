@@ -23,7 +23,6 @@ from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera, Chunk, ChunkTable, Moving, Placement
 from pointbrush.values.kinds import Uuid
 from pointbrush.web import npy
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import (
     FramePath,
     SequenceId,
@@ -34,6 +33,7 @@ from pointbrush.web.context import (
     if_match,
 )
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.annotate.overlays import Placement as LocalPlacement
 from pointbrush.work.annotate.overlays import placements_round

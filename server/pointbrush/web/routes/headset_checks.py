@@ -9,9 +9,9 @@ from pydantic import BaseModel, Field, model_validator
 from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.values.base import integral
 from pointbrush.values.headset_checks import HeadsetCheck, NewHeadsetReport
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 
 router = resource("headset checks")
 

@@ -33,9 +33,9 @@ from pointbrush.values.imports import (
 )
 from pointbrush.values.jobs import Job
 from pointbrush.values.kinds import VISIBLE
-from pointbrush.web.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.context import ProjectId, Ws, one_of
 from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.security.auth import Caller, Gate, TheGate, resource
 from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,

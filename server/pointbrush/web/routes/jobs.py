@@ -9,10 +9,10 @@ from fastapi import Query
 from pointbrush.accounts.roles import require
 from pointbrush.errors import NotFoundError
 from pointbrush.values.jobs import Job
-from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import JobPath, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.roles import CANCEL_ANY
+from pointbrush.web.security.auth import Caller, TheGate, resource
+from pointbrush.web.security.roles import CANCEL_ANY
 
 router = resource("jobs")
 

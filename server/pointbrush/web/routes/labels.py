@@ -25,9 +25,9 @@ from pointbrush.values.labels import (
     PaletteLabel,
     PaletteOrder,
 )
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import LabelPath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.palettes import add_labels, add_template, counted_labels, offered
 
 router = resource("labels")

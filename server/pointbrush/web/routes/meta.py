@@ -12,13 +12,13 @@ from pointbrush import __version__
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.streaming.schema import schema_hash
 from pointbrush.values.server import Health, Me, NewKeys, OwnKeys, Ready, SignedIn, SignIn
-from pointbrush.web import auth
-from pointbrush.web.auth import Caller, Gate, Principal, resource
 from pointbrush.web.context import Ws
-from pointbrush.web.cookies import set_cookie
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
-from pointbrush.web.roles import PREFIX
+from pointbrush.web.security import auth
+from pointbrush.web.security.auth import Caller, Gate, Principal, resource
+from pointbrush.web.security.cookies import set_cookie
+from pointbrush.web.security.roles import PREFIX
 
 router = resource("server")
 sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])

@@ -10,9 +10,9 @@ from fastapi.responses import JSONResponse
 
 from pointbrush.ranges import runs_of
 from pointbrush.values.objects import Candidate, Candidates
-from pointbrush.web.auth import resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.security.auth import resource
 from pointbrush.web.strokes import ObjectBody
 from pointbrush.work.objects import Answer, StaleCandidateError
 from pointbrush.workspace import Workspace

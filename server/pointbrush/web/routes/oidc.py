@@ -12,13 +12,13 @@ from fastapi.responses import RedirectResponse
 from pydantic import BaseModel
 
 from pointbrush.errors import ForbiddenError, NotFoundError, PointbrushError
-from pointbrush.web.auth import Gate, cookie_name
-from pointbrush.web.cookies import set_cookie
 from pointbrush.web.page import wants_html
-from pointbrush.web.roles import PREFIX
+from pointbrush.web.security.auth import Gate, cookie_name
+from pointbrush.web.security.cookies import set_cookie
+from pointbrush.web.security.roles import PREFIX
 
 if TYPE_CHECKING:
-    from pointbrush.web.oidc import Provider
+    from pointbrush.web.security.oidc import Provider
 
 log = logging.getLogger(__name__)
 PLACE = f"{PREFIX}/oidc"

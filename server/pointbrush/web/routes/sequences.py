@@ -13,9 +13,9 @@ from pointbrush.teamwork.access import COMPARES
 from pointbrush.teamwork.summaries import Search
 from pointbrush.values.kinds import TaskState
 from pointbrush.values.recordings import Manifest, RecordingPatch
-from pointbrush.web.auth import Caller, TheGate, resource
 from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.strokes import FloorBody
 from pointbrush.work import manifests
 from pointbrush.workspace import Workspace

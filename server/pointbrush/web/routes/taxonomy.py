@@ -7,9 +7,9 @@ from typing import Annotated
 from fastapi import Path
 
 from pointbrush.values.taxonomy import MergedCategories, Taxonomy, TaxonomyChange
-from pointbrush.web.auth import resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import resource
 
 router = resource("taxonomy")
 NumberPath = Annotated[int, Path(ge=1, le=65535, description="number of a category")]

@@ -20,9 +20,9 @@ from pointbrush.values.tracking import (
     Track,
     TrackingRequest,
 )
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws, one_of
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.tracking.options import RunOptions
 
 router = resource("tracking")

@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import FileResponse, HTMLResponse
 
 from pointbrush.errors import NotFoundError
-from pointbrush.web.tls import Certificate, fingerprint
+from pointbrush.web.security.tls import Certificate, fingerprint
 
 router = APIRouter(include_in_schema=False)
 PAGES = Path(__file__).parents[1] / "docs"

@@ -18,7 +18,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork import matching
 from pointbrush.teamwork.copies import Copy
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.tasks import Disagreement, Region, Score
+from pointbrush.values.team.tasks import Disagreement, Region, Score
 from pointbrush.work.library import Library
 from pointbrush.work.reviewing import comparing
 

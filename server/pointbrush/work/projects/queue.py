@@ -15,7 +15,7 @@ from pointbrush.teamwork.copies import CopyKind
 from pointbrush.teamwork.rules import Person, fulfilled
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
-from pointbrush.values.tasks import NewTasks, TaskPatch
+from pointbrush.values.team.tasks import NewTasks, TaskPatch
 from pointbrush.work.exporting import parse_frames
 
 MOST_PEOPLE = 9

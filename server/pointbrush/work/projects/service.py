@@ -13,7 +13,7 @@ from pointbrush.teamwork.projects import Project
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.summaries import Counts, Effort, Figures
 from pointbrush.values.kinds import TaskState
-from pointbrush.values.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for

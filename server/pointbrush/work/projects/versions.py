@@ -12,7 +12,12 @@ from pointbrush.errors import NotFoundError
 from pointbrush.labels import Label
 from pointbrush.labels.versions import Moment, PastLabels, Version
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.snapshots import Difference, DifferenceKind, FrameDifference, LabelDifference
+from pointbrush.values.team.snapshots import (
+    Difference,
+    DifferenceKind,
+    FrameDifference,
+    LabelDifference,
+)
 from pointbrush.work.annotate.layers import READ_POINTS
 from pointbrush.work.reviewing.comparing import pairs
 from pointbrush.work.trash import ids_for

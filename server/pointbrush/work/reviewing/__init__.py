@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pointbrush.values.review import BoxAgreement
+from pointbrush.values.team.review import BoxAgreement
 from pointbrush.work.reviewing.checking import Checked
 from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
 from pointbrush.work.reviewing.comparing import Agreement, By

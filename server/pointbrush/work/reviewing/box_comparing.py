@@ -15,7 +15,7 @@ from pointbrush.geometry.box_overlap import iou_matrix
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.values.review import BoxAgreement, BoxScore, ClassAgreement
+from pointbrush.values.team.review import BoxAgreement, BoxScore, ClassAgreement
 from pointbrush.work.reviewing.comparing import require_same_points
 
 Floats = NDArray[np.float64]

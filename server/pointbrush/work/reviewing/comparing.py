@@ -16,7 +16,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
-from pointbrush.values.review import FrameAgreement
+from pointbrush.values.team.review import FrameAgreement
 from pointbrush.work.annotate.layers import KeptAnnotation
 
 Names = Mapping[int, str]

@@ -10,7 +10,7 @@ from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.review import BoxAgreement
+from pointbrush.values.team.review import BoxAgreement
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.box_comparing import compare_boxes

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.teamwork.reviews import Review
-from pointbrush.values.review import ReviewState
+from pointbrush.values.team.review import ReviewState
 
 State = ReviewState
 STATES: tuple[State, ...] = get_args(get_args(State)[0])

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from statistics import median
 from typing import get_args
 
-from pointbrush.values.review import FindingKind
+from pointbrush.values.team.review import FindingKind
 
 Kind = FindingKind
 KINDS: tuple[Kind, ...] = get_args(get_args(Kind)[0])

@@ -9,10 +9,10 @@ from typing import Annotated, Literal
 
 from fastapi import Query, Response
 
-from pointbrush.values.review import Agreement, BoxAgreement, Checked, Finding, LabelAgreement
-from pointbrush.web.auth import Caller, TheGate, resource
+from pointbrush.values.team.review import Agreement, BoxAgreement, Checked, Finding, LabelAgreement
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.work import reviewing
 from pointbrush.work.reviewing import (
     POLICY,

@@ -40,7 +40,7 @@ from pointbrush.errors import (
 )
 from pointbrush.exchange.outgoing import Answer, Bounds, exchange
 from pointbrush.settings import Settings
-from pointbrush.web.clients import is_loopback
+from pointbrush.web.security.clients import is_loopback
 
 ALGORITHMS = ("RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512")
 """Accepted signatures: not ``none``, and no symmetric ones, because the client has their key."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import Response
 
 from pointbrush.values.kinds import time_of
-from pointbrush.values.projects import (
+from pointbrush.values.team.projects import (
     ClassFigures,
     NewProject,
     PersonFigures,
@@ -13,9 +13,9 @@ from pointbrush.values.projects import (
     ProjectPatch,
     Statistics,
 )
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.projects.service import Overview
 
 router = resource("projects")

@@ -27,17 +27,17 @@ from pointbrush.errors import (
 from pointbrush.jobs.job import Job
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
-from pointbrush.web.browser_accounts import BrowserAccounts, new_account
-from pointbrush.web.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.context import known_query
-from pointbrush.web.cookies import Cookie
-from pointbrush.web.roles import PREFIX, ROUTES, call_of
-from pointbrush.web.sessions import SESSION_DAYS, WebSessions
-from pointbrush.web.sign_ins import SignIns
+from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
+from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
+from pointbrush.web.security.cookies import Cookie
+from pointbrush.web.security.roles import PREFIX, ROUTES, call_of
+from pointbrush.web.security.sessions import SESSION_DAYS, WebSessions
+from pointbrush.web.security.sign_ins import SignIns
 from pointbrush.workspace import Workspace
 
 if TYPE_CHECKING:
-    from pointbrush.web.oidc import Person, Provider
+    from pointbrush.web.security.oidc import Person, Provider
 
 COOKIE = "pointbrush_session"
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -74,7 +74,9 @@ class Gate:
         issuer = settings.oidc_issuer
         self.provider: Provider | None = None
         if issuer:
-            from pointbrush.web.oidc import Provider  # imports libraries that few servers need
+            from pointbrush.web.security.oidc import (
+                Provider,  # imports libraries that few servers need
+            )
 
             self.provider = Provider(settings, workspace.labels.signing_keys)
         self._right: dict[str, None] = {}

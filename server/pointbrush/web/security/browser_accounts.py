@@ -12,7 +12,7 @@ import secrets
 from starlette.requests import HTTPConnection
 
 from pointbrush.accounts.signing_keys import SigningKeys
-from pointbrush.web.cookies import Cookie
+from pointbrush.web.security.cookies import Cookie
 
 PURPOSE = "browser account"
 DAYS = 400

@@ -8,10 +8,10 @@ from fastapi import Path, Query, Response
 
 from pointbrush.labels.versions import Version
 from pointbrush.values.kinds import time_of
-from pointbrush.values.snapshots import Difference, NewSnapshot, Snapshot
-from pointbrush.web.auth import Caller, TheGate, resource
+from pointbrush.values.team.snapshots import Difference, NewSnapshot, Snapshot
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, TheGate, resource
 
 router = resource("snapshots")
 SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="snapshot id")]

@@ -7,11 +7,11 @@ from typing import Annotated
 from fastapi import Query
 
 from pointbrush.values.edits import Edit
-from pointbrush.values.tasks import CopyAgreement, CopyMerge, Score
-from pointbrush.web.auth import Caller, resource
+from pointbrush.values.team.tasks import CopyAgreement, CopyMerge, Score
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.routes.checks import agreement_of
+from pointbrush.web.routes.team.checks import agreement_of
+from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.projects.agreeing import Pair
 
 router = resource("agreement")

@@ -11,11 +11,11 @@ from pointbrush.teamwork import tasks
 from pointbrush.teamwork.rules import Person as Asker
 from pointbrush.teamwork.tasks import Wanted
 from pointbrush.values.kinds import TaskState, time_of
-from pointbrush.values.tasks import NewTasks, NextTask, Task, TaskEvent, TaskPatch
-from pointbrush.web.auth import Caller, Principal, resource
+from pointbrush.values.team.tasks import NewTasks, NextTask, Task, TaskEvent, TaskPatch
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.roles import DECIDE
+from pointbrush.web.security.auth import Caller, Principal, resource
+from pointbrush.web.security.roles import DECIDE
 
 router = resource("tasks")
 TaskNumber = Annotated[int, Path(ge=1, lt=2**31, description="number of the task")]

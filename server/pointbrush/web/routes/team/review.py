@@ -9,17 +9,17 @@ from fastapi import Query
 from pointbrush.accounts.roles import includes, require
 from pointbrush.teamwork.reviews import Review
 from pointbrush.values.kinds import time_of
-from pointbrush.values.review import (
+from pointbrush.values.team.review import (
     Decision,
     FrameReviewPatch,
     ReviewOverview,
     ReviewPatch,
     Standing,
 )
-from pointbrush.web.auth import Caller, Principal, resource
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.roles import ASSIGN, DECIDE
+from pointbrush.web.security.auth import Caller, Principal, resource
+from pointbrush.web.security.roles import ASSIGN, DECIDE
 from pointbrush.work import reviewing
 from pointbrush.workspace import Workspace
 

@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from fastapi import Path, Query
 
 from pointbrush.accounts import accounts
-from pointbrush.values.accounts import (
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team.accounts import (
     LONGEST_NAME,
     Account,
     NewAccount,
@@ -15,10 +16,9 @@ from pointbrush.values.accounts import (
     NewTokenRequest,
     Token,
 )
-from pointbrush.values.kinds import time_of
-from pointbrush.web.auth import Caller, resource
 from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import Caller, resource
 
 router = resource("accounts")
 AccountName = Annotated[str, Path(max_length=LONGEST_NAME, description="name of an account")]

@@ -17,7 +17,7 @@ from pointbrush.values.kinds import (
     Uuid,
     Vector,
 )
-from pointbrush.values.review import Agreement, Note, Person
+from pointbrush.values.team.review import Agreement, Note, Person
 
 Work = Annotated[
     Literal["label", "review"],

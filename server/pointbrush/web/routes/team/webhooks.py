@@ -8,10 +8,10 @@ from fastapi import Path
 
 from pointbrush.teamwork import webhooks
 from pointbrush.values.kinds import time_of
-from pointbrush.values.webhooks import Delivery, NewWebhook, SecretWebhook, Webhook
-from pointbrush.web.auth import resource
+from pointbrush.values.team.webhooks import Delivery, NewWebhook, SecretWebhook, Webhook
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import responses
+from pointbrush.web.security.auth import resource
 
 router = resource("webhooks")
 WebhookId = Annotated[str, Path(pattern="^[0-9a-f]{16}$", description="webhook id")]

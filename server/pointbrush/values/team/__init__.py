@@ -1,0 +1,1 @@
+"""Values of teams: accounts, projects, tasks, reviews, snapshots, webhooks."""

@@ -1,0 +1,1 @@
+"""Resources of teams: accounts, projects, tasks, reviews, snapshots, webhooks."""

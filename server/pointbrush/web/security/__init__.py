@@ -1,0 +1,1 @@
+"""Authentication, roles, sign-in and TLS of the server."""
