@@ -86,7 +86,7 @@ def test_a_click_offers_the_thing_among_its_levels(
     assert max(overlap(each, which == thing) for each in found) > 0.8
 
 
-def test_a_click_on_a_floor_of_tiles_offers_the_whole_floor() -> None:
+def test_a_click_on_a_floor_of_tiles_shows_the_whole_floor() -> None:
     rng = np.random.default_rng(0)
     frame, which = room(7)
     floor = which == FLOOR
@@ -95,7 +95,9 @@ def test_a_click_on_a_floor_of_tiles_offers_the_whole_floor() -> None:
     tile = np.floor(xyz[floor] / 0.4).astype(int) @ [1, 0, 3] % 7
     rgb[floor] = rng.integers(30, 220, (7, 3))[tile]
     state = prepare(ObjectFrame(xyz, rgb, None, None, "room", np.eye(4)))
-    assert max(overlap(each, floor) for each in candidates(state, clicked(FLOOR))) > 0.8
+    shown = candidates(state, clicked(FLOOR))[0]
+    assert overlap(shown, floor) > 0.8
+    assert shown.score > 0.7
 
 
 def test_a_click_on_a_bent_floor_offers_it_without_its_rug() -> None:
@@ -224,7 +226,12 @@ def test_a_click_on_a_lone_return_of_a_lidar_goes_to_what_is_behind_it() -> None
     z_up = np.eye(4)
     z_up[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
     frame = ObjectFrame(xyz.astype(np.float32), None, None, np.zeros(3), "lidar", z_up)
-    assert max(overlap(each, truth) for each in candidates(prepare(frame), xyz[-1:])) > 0.9
+    state = prepare(frame)
+    assert max(overlap(each, truth) for each in candidates(state, xyz[-1:])) > 0.9
+    # A correction stays where it is.
+    seen, both = xyz[truth][:1], truth | (np.arange(len(xyz)) == len(xyz) - 1)
+    assert overlap(candidates(state, seen, xyz[-1:], mask=both)[0], truth) > 0.99
+    assert overlap(candidates(state, np.concatenate([seen, xyz[-1:]]), mask=truth)[0], both) > 0.99
 
 
 def test_two_opposite_clicks_on_one_flat_piece_share_it_between_them() -> None:

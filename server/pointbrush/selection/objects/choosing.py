@@ -6,6 +6,7 @@ the few are offered that clearly differ.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -31,35 +32,37 @@ NOWHERE = np.empty((0, 3))
 
 
 class Scored(NamedTuple):
-    """``masks`` (n, P) of pieces, ``size`` (n,) their cells, and their ``score`` (n,).
+    """``masks`` (n, P) of pieces, ``cells`` (P,) of each piece, and their ``score`` (n,).
 
     ``alone`` (n,): given by the clicks alone, without an earlier selection.
     """
 
     masks: Mask
-    size: NDArray[np.float64]
+    cells: NDArray[np.float64]
     score: NDArray[np.float64]
     alone: Mask
 
 
 def choose_levels(
-    found: Scored, kept: int | None, margin: float, options: LadderOptions, flat: int | None = None
+    found: Scored, kept: int | None, margin: float, options: LadderOptions, flat: Sequence[int] = ()
 ) -> list[int]:
     """Choose nested candidates: the one to show, then the others by falling score.
 
     ``kept``: number of the earlier selection, which stays among them, and first unless another is
     better by ``margin``; the best of the others that the clicks alone give is offered beside it,
-    nested or not.  ``flat``: a whole floor, wall or table top, offered in the same way while
-    nothing is taken.
+    nested or not.  ``flat``: whole floors, walls or table tops, offered in the same way while
+    nothing is taken, if they differ.
     """
-    masks, size, score, alone = found
+    masks, cells, score, alone = found
+    size = masks.astype(np.float64) @ cells
     order = np.argsort(-score, kind="stable").tolist()
     if kept is None:
-        chain = _chain(masks, size, order, options.closest, options.levels)
-        if flat is None:
-            return chain
-        flat_chain = _chain(masks, size, [order[0], flat, *order], options.closest, options.levels)
-        return flat_chain if flat in flat_chain else _with(chain[: options.levels - 1], flat)
+        chain = _chain(masks, size, [order[0], *flat[:1], *order], options.closest, options.levels)
+        for other in flat:
+            both = (masks[chain] & masks[other]) @ cells
+            if (both < options.closest_flat * (size[chain] + size[other] - both)).all():
+                chain = _with(chain[: options.levels - 1], other)
+        return chain
     # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
     fresh = next((i for i in order if i != kept and alone[i]), kept)
     better = score[order[0]] > score[kept] + margin
@@ -230,16 +233,21 @@ def candidates(
         found = replace(found, taken=replace(found.taken, cells=found.taken.least))
     lidar_keep = ladder.sure_keep if sure else ladder.keep
     margins = {"room": ladder.room_keep, "camera": ladder.camera_keep, "lidar": lidar_keep}
-    flat = next(iter(np.flatnonzero(found.unions.origin == Origin.PLANE).tolist()), None)
-    if flat is not None and kept is None:
-        found = _widened(found, cells, int(score.argmax()), flat, ladder.spill)
-    size = found.unions.masks.astype(np.float64) @ cells
-    scored = Scored(found.unions.masks, size, score, alone)
+    flat = np.flatnonzero(found.unions.origin == Origin.PLANE).tolist() if kept is None else []
+    if flat:
+        area = (found.unions.masks[flat] @ cells).min() * state.size**2
+        odds = ladder.flat_slope * np.log(area / ladder.flat_area)
+        likely = int(np.where(alone, score, 0).argmax())
+        score[flat[0]] = max(score[flat[0]], _chance(np.minimum(odds, ladder.flat_most)))
+    for each in flat:
+        found = _widened(found, cells, likely, each, ladder.spill)
+    masks = found.unions.masks
+    scored = Scored(masks, cells, score, alone)
     chosen = choose_levels(scored, kept, margins[state.sensor], ladder, flat)
-    if state.sensor == "camera" and flat is None:
+    if state.sensor == "camera" and not flat:
         score = _calibrated(score, float(score[chosen[0]]), ladder)
     if state.sensor == "lidar":
-        size_odds = ladder.lidar_odds * np.log(size[chosen[0]] / ladder.lidar_cells)
+        size_odds = ladder.lidar_odds * np.log(cells[masks[chosen[0]]].sum() / ladder.lidar_cells)
         score = _chance(_odds(score) + size_odds)
     points = found.points(state, chosen)
     level = np.argsort(np.argsort([len(each) for each in points], kind="stable"), kind="stable")

@@ -129,6 +129,12 @@ class PlaneOptions(Positive):
     """Metres by which a piece of the same colour may lie off the pieces of the plane about it."""
     off_cells: float = 1.5
     """Times the cell size; the same, where that is more."""
+    strict_off: float = 0.012
+    """As ``off``, for planes that leave out flat pictures and doors; at least the cell size."""
+    gap: float = 1.0
+    """Metres between pieces of one plane that continues beyond furniture."""
+    gap_area: float = 0.03
+    """Square metres of the smallest piece beyond a gap."""
     rough: float = 1.5
     """Times the above, by which its cells may be off their own mean height (root mean square)."""
     along: float = 0.6
@@ -165,6 +171,14 @@ class LadderOptions(Positive):
     """Regions on the way that are looked at."""
     spill: float = 0.1
     """Share of a plane that the level shown first may reach beyond it and still nest with it."""
+    closest_flat: float = 0.95
+    """Overlap from which on a plane is as good as a level that is offered."""
+    flat_area: float = 1.4
+    """Square metres of a plane that is as likely the clicked surface as not."""
+    flat_slope: float = 1.2
+    """Log odds by which this rises with the log of the area."""
+    flat_most: float = 2.0
+    """Log odds at most."""
     keep: float = 0.02
     """Score by which another candidate must be better than what was taken, to be shown first."""
     sure_far: float = 1.2

@@ -57,22 +57,44 @@ class _Field(NamedTuple):
 
 
 def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
-    """Return the plane (P,) of each piece, -1 for none; ``size`` of the cells, metres."""
-    count = pieces.sums[:, sums.COUNT]
-    starts, far, _ = neighbours(len(count), pieces.pairs.astype(np.int32))
+    """Return the planes (3, P) of each piece, -1 for none; ``size`` of the cells, metres.
+
+    The rows are planes that continue beyond gaps, such as a door or a table's foot, planes of
+    touching pieces, and planes that leave out pictures and doors thinner than ``options.off``.
+    """
+    area = pieces.sums[:, sums.COUNT] * size**2
+    large = np.flatnonzero(area >= options.gap_area)
+    beyond = large[_near_pairs(pieces.sums[large], options.gap)]
+    apart = np.concatenate([pieces.pairs, beyond])
+    off = max(options.off_cells * size, options.off)
+    strict = max(size, options.strict_off)
+    found = [(apart, off), (pieces.pairs, off), (pieces.pairs, strict)]
+    return np.stack([_partition(pieces.sums, *each, size, options) for each in found])
+
+
+def _near_pairs(leaves: Floats, gap: float) -> Ints:
+    """Return pairs (n, 2) of pieces whose boxes are at most ``gap`` metres apart."""
+    low, high = leaves[:, sums.LOW : sums.HIGH], leaves[:, sums.HIGH :]
+    away = np.maximum(np.maximum(low[:, None] - high, low - high[:, None]), 0)
+    return np.argwhere(np.triu((away**2).sum(axis=2) <= gap**2, 1))
+
+
+def _partition(leaves: Floats, pairs: Ints, off: float, size: float, options: PlaneOptions) -> Ints:
+    """Return the plane (P,) of each piece, -1 for none, over ``pairs`` of pieces."""
+    count = leaves[:, sums.COUNT]
+    starts, far, _ = neighbours(len(count), pairs.astype(np.int32))
     order = np.argsort(-count, kind="stable")
     seeds = order[count[order] * size**2 >= options.least_seed]
-    off = max(options.off_cells * size, options.off)
     bounds = _Bounds(
         off, options.rough * off, options.along, options.near, options.colour, options.colour_share,
         options.least_area / size**2, options.rounds,
     )  # fmt: skip
-    place = pieces.sums[:, sums.XYZ : sums.SQUARES] / count[:, None]
-    tint = pieces.sums[:, sums.LAB : sums.LAB_SQUARES] / count[:, None]
+    place = leaves[:, sums.XYZ : sums.SQUARES] / count[:, None]
+    tint = leaves[:, sums.LAB : sums.LAB_SQUARES] / count[:, None]
     tint *= (options.lightness, 1, 1)
     plane, seen, members = (np.full(len(count), -1, np.int64) for _ in range(3))
     height = np.zeros(len(count))
-    field = _Field(pieces.sums, place, tint, starts, far, plane, seen, members, height)
+    field = _Field(leaves, place, tint, starts, far, plane, seen, members, height)
     _find(field, seeds, bounds)
     return plane
 

@@ -65,7 +65,7 @@ def part_frame(frame: ObjectFrame, options: ObjectOptions) -> Parts:
     viewpoint = None if frame.viewpoint is None else R @ frame.viewpoint
     piece, pieces = _pieces(cells, viewpoint, frame, options)
     place = np.zeros(3) if frame.viewpoint is None else np.array(frame.viewpoint, np.float64)
-    plane = np.full(len(pieces.sums), -1)
+    plane = np.full((1, len(pieces.sums)), -1)
     if frame.sensor in options.ladder.growing:
         plane = find_planes(pieces, cells.size, options.planes)
     return Parts(of_point, cells.center @ R, cells.size, piece, pieces, place, plane)

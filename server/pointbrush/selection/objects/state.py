@@ -15,7 +15,7 @@ from pointbrush.selection.objects.sums import PAIR_WIDTH, WIDTH, Pieces
 from pointbrush.selection.objects.tree import MergeTree
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
-VERSION = 6
+VERSION = 7
 """Of the file; a state of another version is prepared anew."""
 MOST_BYTES = 16 * 2**30
 """Of the file, unpacked: some 400 bytes a cell, and a cell holds a point or more."""
@@ -65,7 +65,7 @@ class ObjectState:
     ``center`` (C, 3) float32 local metres; ``piece`` (C,) int32 piece of each cell;
     ``pairs`` (B, 2) neighbouring pieces, ``between`` (B, 6) sums of their boundaries;
     ``viewpoint`` (3,) of the sensor, local metres, the origin where it is unknown;
-    ``plane`` (P,) plane that a piece lies on, -1 for none.
+    ``plane`` (n, P) plane that a piece lies on, -1 for none, by each of n partitions.
     """
 
     sensor: SensorKind
@@ -146,7 +146,7 @@ def _state(arrays: Arrays) -> ObjectState:
         checked(arrays, "sums", np.float64, (nodes, WIDTH)),
         checked(arrays, "first", np.float32, (len(pairs),)),
         checked(arrays, "viewpoint", np.float64, (3,), *FINITE),
-        checked(arrays, "plane", np.int32, (pieces,)),
+        checked(arrays, "plane", np.int32, (None, pieces)),
     )  # fmt: skip
 
 
@@ -155,7 +155,7 @@ class Parts:
     """A frame up to the merge tree: what training and ``prepare`` share.
 
     ``of_point`` (N,) int32 cell of each point, -1 for none; ``center`` (C, 3) and ``viewpoint``
-    (3,) local, metres; ``plane`` (P,) of each piece, -1 for none.
+    (3,) local, metres; ``plane`` (n, P) of each piece, -1 for none.
     """
 
     of_point: NDArray[np.int32]

@@ -157,10 +157,10 @@ def _grown(
 
 
 def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
-    """Return the pieces of the plane that contains all seeds; empty if there is none."""
-    planes = np.unique(state.plane[seeds])
-    found = planes if len(planes) == 1 and planes[0] >= 0 else planes[:0]
-    masks = state.plane == found[:, None]
+    """Return the pieces of the planes that contain all seeds; empty if there are none."""
+    first = state.plane[:, seeds[:1]]
+    found = (state.plane[:, seeds] == first).all(axis=1) & (first[:, 0] >= 0)
+    masks = state.plane[found] == first[found]
     masks[:, blocked] = False
     masks[:, seeds] = True
     odds = np.full(len(masks), MOST_ODDS)
