@@ -181,12 +181,15 @@ def taken_so_far(
     away = [_clearance(state, at, cells) for at in wanted.at[missed]]
     away += [_clearance(state, at, ~cells) for at in unwanted.at[surplus]]
 
+    tiny = options.least_cells * state.size
+
     def corrected(most: int, share: float) -> Mask:
         patched = cells.copy()
-        for at, piece in zip(wanted.at[missed], wanted.piece[missed], strict=True):
-            patched[_added(state, at, int(piece), cells, most, share, options)] = True
-        for at, piece in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
-            patched[_touched(state, at, int(piece), ~cells, most, options)] = False
+        whole, cut = options.whole_share, options.removed_share
+        for at, p in zip(wanted.at[missed], wanted.piece[missed], strict=True):
+            patched[_patch(state, at, int(p), cells, most, share, whole, tiny)] = True
+        for at, p in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
+            patched[_patch(state, at, int(p), ~cells, most, cut, np.inf, tiny)] = False
         patched[wanted.cell] = True
         patched[unwanted.cell] = False
         return patched
@@ -206,46 +209,29 @@ def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer]
     return mask if len(mask) else np.empty(0, np.int64)
 
 
-def _added(
+def _patch(
     state: ObjectState,
     at: Floats,
     piece: int,
-    taken: Mask,
+    border: Mask,
     most: int,
     share: float,
-    options: ClickOptions,
+    whole: float,
+    least: float,
 ) -> Ints:
-    """Return cells of a piece around a click, at most ``most``.
+    """Return at most ``most`` cells of a piece around a click, nearest first.
 
-    They lie within a share of the distance to ``taken`` cells (C,); all, if most do.
+    They lie within a share of the distance to ``border`` cells (C,), or ``least`` metres; if a
+    share ``whole`` of the piece does, these are all of its cells.
     """
     own = np.flatnonzero(state.piece == piece)
-    near = _ball(state, own, at, share * _clearance(state, at, taken), options)[:most]
-    whole = len(near) >= options.whole_share * len(own) and len(own) <= most
-    return own if whole else near
-
-
-def _touched(
-    state: ObjectState, at: Floats, piece: int, outside: Mask, most: int, options: ClickOptions
-) -> Ints:
-    """Return cells of a piece around a click, at most ``most``.
-
-    They lie within a share of the distance to cells ``outside`` (C,).
-    """
-    own = np.flatnonzero(state.piece == piece)
-    radius = options.removed_share * _clearance(state, at, outside)
-    return _ball(state, own, at, radius, options)[:most]
+    away = np.linalg.norm(state.center[own] - at, axis=1)
+    within = int((away <= max(share * _clearance(state, at, border), least)).sum())
+    near = own[np.argsort(away, kind="stable")[: min(within, most)]]
+    return own if len(own) <= most and len(near) >= whole * len(own) else near
 
 
 def _clearance(state: ObjectState, at: Floats, border: Mask) -> float:
     """Return the distance (m) of a click from the nearest cell of ``border`` (C,); inf: none."""
     beyond = state.center[border]
     return float(np.linalg.norm(beyond - at, axis=1).min()) if len(beyond) else np.inf
-
-
-def _ball(state: ObjectState, own: Ints, at: Floats, radius: float, options: ClickOptions) -> Ints:
-    """Return the cells within a radius in metres, nearest first."""
-    away = np.linalg.norm(state.center[own] - at, axis=1)
-    order = np.argsort(away, kind="stable")
-    near = away[order] <= max(radius, options.least_cells * state.size)
-    return np.asarray(own[order[near]])
