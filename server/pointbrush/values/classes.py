@@ -14,8 +14,8 @@ BASES = (Value, Body, Complete)
 def value_classes() -> list[type[Value]]:
     """Return the classes of all values, by name."""
     modules = [
-        import_module(f"{values.__name__}.{each.name}")
-        for each in pkgutil.iter_modules(values.__path__)
+        import_module(each.name)
+        for each in pkgutil.walk_packages(values.__path__, f"{values.__name__}.")
     ]
     found = {
         kind
