@@ -107,10 +107,14 @@ def test_the_references_are_written_from_the_program(site: Path) -> None:
     assert "HTTP/1.1 201 Created" in palette
     schemas = (reference / "rest" / "schemas.html").read_text()
     assert "<code>only_unlabeled</code>" in schemas
-    python = re.sub(r"<[^>]+>", "", (reference / "python.html").read_text())
-    assert "timeout=30.0" in python, "an example of a constructor"
-    assert "if_match=values.etag" in python, "an example of a method"
-    assert "quaternion" in python, "a field"
+    python = {
+        path.stem: re.sub(r"<[^>]+>", "", path.read_text())
+        for path in (reference / "python").glob("*.html")
+    }
+    assert "timeout=30.0" in python["client"], "an example of a constructor"
+    assert "if_match=values.etag" in python["frame"], "an example of a method"
+    assert "quaternion" in python["boxpose"], "a field"
+    assert [name for name, page in python.items() if "Steps[" in page] == []
 
 
 def test_each_example_has_a_page_that_others_lead_to(pages: dict[Path, Page], site: Path) -> None:

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import example_pages
+import python_page
 import rest_pages
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Navigation
 from mkdocs.structure.pages import Page
-from python_page import python
 
 from pointbrush.cli import parser
 
@@ -38,7 +38,8 @@ PAGES: list[Page] = []
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that are no files of docs/."""
     pages = {place: above(name, place) for name, place in ABOVE.items()}
-    for place, text in (pages | rest_pages.pages() | example_pages.pages()).items():
+    pages |= rest_pages.pages() | python_page.pages() | example_pages.pages()
+    for place, text in pages.items():
         files.append(File.generated(config, place, content=text))
     return files
 
@@ -132,7 +133,7 @@ def _cell(text: str) -> str:
 
 WRITTEN: dict[str, Callable[[], str]] = {
     "reference/cli.md": command_line,
-    "reference/python.md": python,
+    "reference/python.md": python_page.overview,
     "reference/rest.md": rest_pages.overview,
 }
 """Pages whose files have the introduction alone, and the functions that write the rest."""

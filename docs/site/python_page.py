@@ -7,6 +7,7 @@ import inspect
 import re
 import typing
 from collections.abc import Iterator
+from typing import cast
 
 import griffe
 from examples import calls
@@ -14,15 +15,7 @@ from examples import calls
 from pointbrush import client
 from pointbrush.values.base import descriptions
 
-CLIENTS = """
-
-::: pointbrush.client.Client
-    options:
-      inherited_members: true
-
-::: pointbrush.client.AsyncClient
-"""
-ERRORS = """## Errors
+ERRORS = """# Errors of the Python client
 
 If the server refuses a call, the client raises the error that the answer names.
 
@@ -30,21 +23,45 @@ If the server refuses a call, the client raises the error that the answer names.
     options:
       show_root_heading: false
 """
+OPTIONS = "    options:\n      show_root_heading: false\n      show_bases: false\n"
+INHERITED = "      inherited_members: true\n"
+"""Option of the page of ``Client``: its methods are written once for both clients."""
 PACKAGE = "pointbrush.client."
 MODULES = re.compile(r"pointbrush\.(client|values)\.(\w+\.)?(?=[A-Z])|collections\.abc\.|typing\.")
 
 
-def python() -> str:
-    """Return the reference, class by class, which follows the introduction of the page."""
-    parts = [CLIENTS]
-    for name in client.__all__:
-        if name.endswith("Client"):
-            continue
-        parts.append(f"::: {PACKAGE}{name}\n")
-        kind = getattr(client, name)
-        if isinstance(kind, type) and dataclasses.is_dataclass(kind):
-            parts.append("\n".join(_fields(kind)) + "\n")
-    return "\n".join([*parts, ERRORS])
+def overview() -> str:
+    """Return a table of all classes, which follows the introduction of the page."""
+    rows = [f"| [{name}](python/{_page(name)}) | {_first(kind)} |" for name, kind in _classes()]
+    errors = "| [Errors](python/errors.md) | errors that the client raises |"
+    return "\n".join(["", "", "| class | meaning |", "|---|---|", *rows, errors, ""])
+
+
+def pages() -> dict[str, str]:
+    """Return the pages of the classes and of the errors, by their places."""
+    made = {"reference/python/errors.md": ERRORS}
+    for name, kind in _classes():
+        options = OPTIONS + INHERITED * (name == "Client")
+        parts = [f"# {name}", "", f"::: {PACKAGE}{name}", options]
+        parts += _fields(kind) if dataclasses.is_dataclass(kind) else []
+        made[f"reference/python/{_page(name)}"] = "\n".join(parts)
+    return made
+
+
+def _classes() -> list[tuple[str, type]]:
+    found = [(name, getattr(client, name)) for name in client.__all__]
+    kinds = [(name, kind) for name, kind in found if isinstance(kind, type)]
+    return sorted(kinds, key=lambda each: not each[0].endswith("Client"))
+
+
+def _page(name: str) -> str:
+    return f"{name.lower()}.md"
+
+
+def _first(kind: type) -> str:
+    """Return the first sentence of a class's description."""
+    text = " ".join((inspect.getdoc(kind) or "").split("\n\n")[0].split())
+    return re.split(r"(?<=\.) ", text)[0].replace("``", "`").replace("|", "\\|")
 
 
 def _fields(kind: type) -> Iterator[str]:
@@ -75,9 +92,11 @@ class Examples(griffe.Extension):
         self._calls = calls()
 
     def on_instance(self, *, obj: griffe.Object, **_: object) -> None:
-        """Look for an example of what was read."""
+        """Look for an example, and show the value that a caller gets as a method's return type."""
         if not obj.path.startswith(PACKAGE):
             return
+        if isinstance(obj, griffe.Function) and str(obj.returns).startswith("Steps["):
+            obj.returns = cast("griffe.ExprSubscript", obj.returns).slice
         name = obj.name if obj.is_class else ".".join(obj.path.split(".")[-2:])
         # What both clients do is written in the class of both.
         code = self._calls.get(name.replace("Server.", "Client."))
