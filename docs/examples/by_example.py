@@ -45,7 +45,7 @@ def main() -> None:
         found = recording.by_example.predict(classifier.id, 0)
         right = float((found.label == truth)[truth > 0].mean())
         result = recording.by_example.apply(classifier.id)
-        print(f"{right:.1%} right in frame 0; {result['changed']:,} points labelled")
+        print(f"{right:.1%} right in frame 0; {result.changed:,} points labelled")
 
 
 if __name__ == "__main__":

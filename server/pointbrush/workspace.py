@@ -346,13 +346,13 @@ class Workspace:
         removed, left = self._objects.problems(repair=repair)
         return Repaired(removed, [*classifiers, *left])
 
-    def import_roots(self, *, own: bool) -> list[Path]:
+    def import_roots(self, *, own: bool) -> tuple[Path, ...]:
         """Return the folders from which a caller over the network may import.
 
         ``own``: the caller started the server on this machine; without configured folders they may
         then import from the current folder and the home folder.
         """
-        return self.settings.roots or (self.settings.own_roots if own else [])
+        return tuple(self.settings.roots or (self.settings.own_roots if own else []))
 
     def ready_checks(self) -> dict[str, Callable[[], None]]:
         """Return a check of each required part, which raises UnavailableError."""

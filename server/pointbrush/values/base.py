@@ -109,6 +109,12 @@ class Value:
     EXTENSIBLE: ClassVar[bool] = False
     """Bodies may contain the value with further fields, which are ignored."""
 
+    def __getitem__(self, name: str) -> Any:
+        """Return a field by its name, for scripts from when calls answered with dicts."""
+        if name not in (each.name for each in fields(self)):  # type: ignore[arg-type]
+            raise KeyError(name)
+        return getattr(self, name)
+
     @classmethod
     def of(cls, source: object, **more: Any) -> Self:
         """Return the value with the fields ``more``; the others are attributes of ``source``.

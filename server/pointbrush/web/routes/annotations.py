@@ -81,7 +81,7 @@ async def import_labels(
         gate: Gate = request.app.state.gate
         roots = workspace.import_roots(own=gate.is_own(request, who))
         (place,) = await run_in_threadpool(allowed, body.path, roots)
-        more = _more(body) | {"dry_run": dry_run, "roots": tuple(roots)}
+        more = _more(body) | {"dry_run": dry_run, "roots": roots}
         begin = partial(workspace.imports.begin_labels, seq, place, who.author, **more)
         job = await run_in_threadpool(begin)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -84,7 +83,7 @@ class Wanted:
 
     paths: list[Path]
     options: ImportOptions
-    roots: Sequence[Path] = ()
+    roots: tuple[Path, ...] = ()
     upload: Upload | None = None
 
     @property
@@ -93,7 +92,7 @@ class Wanted:
         options = self.options
         name = options.name or (self.upload.name if self.upload else None)
         return {
-            "name": name, "fps": options.fps, "roots": tuple(self.roots),
+            "name": name, "fps": options.fps, "roots": self.roots,
             "chosen": parse_corrections(chosen(Corrections, options)),
             "project": options.project,
         }  # fmt: skip
