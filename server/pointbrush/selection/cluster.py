@@ -126,9 +126,9 @@ def cluster(
     if len(numbers) == 0:
         return
     yield NOTHING
-    away = ((xyz - hit) ** 2).sum(axis=1)
-    nearest = int(np.argmin(away))
-    if away[nearest] > radius * radius:
+    square = ((xyz - hit) ** 2).sum(axis=1)
+    nearest = int(np.argmin(square))
+    if square[nearest] > radius * radius:
         return
     part = connected_parts(xyz, radius)
     yield numbers[part == part[nearest]]

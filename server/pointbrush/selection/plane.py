@@ -143,10 +143,10 @@ class Surface:
         keys, on, beside = [np.empty(0, np.int64)], [np.empty(0, np.intp)], [np.empty(0, np.intp)]
         for near in self._near():
             cells, cell = np.unique(_keys(near.flat, self._cell), return_inverse=True)
-            here = near.off <= self._found.thick
+            on_plane = near.off <= self._found.thick
             keys.append(cells)
-            on.append(np.bincount(cell[here], minlength=len(cells)))
-            beside.append(np.bincount(cell[~here], minlength=len(cells)))
+            on.append(np.bincount(cell[on_plane], minlength=len(cells)))
+            beside.append(np.bincount(cell[~on_plane], minlength=len(cells)))
         cells, cell = np.unique(np.concatenate(keys), return_inverse=True)
         n = len(cells)
         counts = [np.bincount(cell, np.concatenate(part), n) for part in (on, beside)]
@@ -159,11 +159,11 @@ class Surface:
             flat = near.flat[self._on(near)]
             if len(flat) == 0:
                 continue
-            keys, away = _keys(flat, self._square), (flat**2).sum(axis=1)
+            keys, square = _keys(flat, self._square), (flat**2).sum(axis=1)
             found.append(np.unique(keys))
-            closest = int(away.argmin())
-            if away[closest] < nearest:
-                nearest, start = float(away[closest]), int(keys[closest])
+            closest = int(square.argmin())
+            if square[closest] < nearest:
+                nearest, start = float(square[closest]), int(keys[closest])
         squares = np.unique(np.concatenate(found))
         return squares[_joined_with(squares, start)]
 
@@ -174,12 +174,12 @@ def _keys(flat: Vector, size: float) -> Keys:
     return np.asarray(column[:, 0] * 2**31 + column[:, 1])
 
 
-def _among(keys: Keys, those: Keys) -> NDArray[np.bool_]:
+def _among(keys: Keys, present: Keys) -> NDArray[np.bool_]:
     """Return a mask of the keys (n,) that occur in the sorted second array."""
-    if len(those) == 0:
+    if len(present) == 0:
         return np.zeros(len(keys), np.bool_)
-    at = np.minimum(np.searchsorted(those, keys), len(those) - 1)
-    return np.asarray(those[at] == keys)
+    at = np.minimum(np.searchsorted(present, keys), len(present) - 1)
+    return np.asarray(present[at] == keys)
 
 
 def _joined_with(squares: Keys, start: int) -> NDArray[np.bool_]:

@@ -120,11 +120,13 @@ def _near_rays(
     """
     middle = xyz.mean(axis=0, dtype=np.float64)
     local = xyz - middle
-    away = origins - middle
-    along = local @ directions.T - np.einsum("ij,ij->i", away, directions)
-    squares = np.einsum("ij,ij->i", local, local)[:, None] - 2.0 * (local @ away.T)
-    squares += np.einsum("ij,ij->i", away, away)
-    scale = max(float(np.abs(local).max(initial=0.0)), float(np.abs(away).max(initial=0.0)), radius)
+    start = origins - middle
+    along = local @ directions.T - np.einsum("ij,ij->i", start, directions)
+    squares = np.einsum("ij,ij->i", local, local)[:, None] - 2.0 * (local @ start.T)
+    squares += np.einsum("ij,ij->i", start, start)
+    scale = max(
+        float(np.abs(local).max(initial=0.0)), float(np.abs(start).max(initial=0.0)), radius
+    )
     near = (
         squares - along * along <= (1.0 + MARGIN) * radius * radius + MARGIN_SQUARED * scale * scale
     )

@@ -100,15 +100,15 @@ def _distances(
         own_real = 0
         x, y, z = at[k, 0], at[k, 1], at[k, 2]
         for c in range(len(center)):
-            away = (center[c, 0] - x) ** 2 + (center[c, 1] - y) ** 2 + (center[c, 2] - z) ** 2
+            square = (center[c, 0] - x) ** 2 + (center[c, 1] - y) ** 2 + (center[c, 2] - z) ** 2
             p = piece[c]
-            nearest[k, p] = min(nearest[k, p], away)
-            farthest[k, p] = max(farthest[k, p], away)
-            if away < least:
-                least = away
+            nearest[k, p] = min(nearest[k, p], square)
+            farthest[k, p] = max(farthest[k, p], square)
+            if square < least:
+                least = square
                 own[k] = c
-            if real[p] and away < least_real:
-                least_real = away
+            if real[p] and square < least_real:
+                least_real = square
                 own_real = c
         if np.sqrt(least_real) <= np.sqrt(least) + reach:
             own[k] = own_real
@@ -124,7 +124,7 @@ def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[
     both = np.intersect1d(wanted.piece, unwanted.piece)
     if len(both):
         cells = np.flatnonzero(np.isin(state.piece, both))
-        kept[cells] = _away(state.center[cells], wanted.at) <= _away(
+        kept[cells] = _nearest_distance(state.center[cells], wanted.at) <= _nearest_distance(
             state.center[cells], unwanted.at
         )
         kept[wanted.cell] = True
@@ -132,7 +132,7 @@ def kept_cells(state: ObjectState, wanted: Clicks, unwanted: Clicks) -> NDArray[
     return kept
 
 
-def _away(cells: NDArray[np.float32], clicks: Floats) -> Floats:
+def _nearest_distance(cells: NDArray[np.float32], clicks: Floats) -> Floats:
     """Return distances (n,) of cells from the nearest click."""
     return np.asarray(np.linalg.norm(cells[:, None] - clicks, axis=2).min(axis=1))
 
@@ -178,8 +178,8 @@ def taken_so_far(
     pieces = 2 * np.bincount(state.piece[cells], minlength=state.piece_count) > of_piece
     missed, surplus = ~cells[wanted.cell], cells[unwanted.cell]
     most = max(int(options.sure_patch * np.count_nonzero(cells)), 1)
-    away = [_clearance(state, at, cells) for at in wanted.at[missed]]
-    away += [_clearance(state, at, ~cells) for at in unwanted.at[surplus]]
+    clearances = [_clearance(state, at, cells) for at in wanted.at[missed]]
+    clearances += [_clearance(state, at, ~cells) for at in unwanted.at[surplus]]
 
     tiny = options.least_cells * state.size
 
@@ -196,7 +196,7 @@ def taken_so_far(
 
     wide = corrected(len(cells), 1.0)
     least = corrected(most, options.sure_added_share) if state.sensor == "lidar" else wide
-    far = max(away, default=0.0)
+    far = max(clearances, default=0.0)
     return Taken(wide, least, far, pieces, wanted.piece[missed], unwanted.piece[surplus])
 
 
@@ -225,9 +225,9 @@ def _patch(
     share ``whole`` of the piece does, these are all of its cells.
     """
     own = np.flatnonzero(state.piece == piece)
-    away = np.linalg.norm(state.center[own] - at, axis=1)
-    within = int((away <= max(share * _clearance(state, at, border), least)).sum())
-    near = own[np.argsort(away, kind="stable")[: min(within, most)]]
+    distance = np.linalg.norm(state.center[own] - at, axis=1)
+    within = int((distance <= max(share * _clearance(state, at, border), least)).sum())
+    near = own[np.argsort(distance, kind="stable")[: min(within, most)]]
     return own if len(own) <= most and len(near) >= whole * len(own) else near
 
 

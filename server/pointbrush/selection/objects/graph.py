@@ -84,14 +84,14 @@ class Graph:
     """Graph of cells.
 
     ``normal`` (C, 3): unit normals; ``rough`` (C,): roughness, 0 (flat) to 1/3; ``near`` (C, K):
-    neighbours, nearest first; ``away`` (C, K): their distances; ``edges`` (E, 2): cells with i < j;
+    neighbours, nearest first; ``distance`` (C, K): to them; ``edges`` (E, 2): cells with i < j;
     ``across`` (E, 4): turn 1 - ni.nj, bend (concave above 0), Lab distance, length in metres.
     """
 
     normal: Floats
     rough: Floats
     near: Ints
-    away: Floats
+    distance: Floats
     edges: Ints
     across: Floats
 
@@ -108,23 +108,23 @@ def make_graph(
     count = len(center)
     k = min(options.neighbours + 1, count)
     tree = cKDTree(center, leafsize=12, balanced_tree=False, compact_nodes=False)
-    away, near = tree.query(center, k=max(k, 2))
-    near, away = np.asarray(near, np.int64)[:, 1:k], np.asarray(away, np.float64)[:, 1:k]
+    distance, near = tree.query(center, k=max(k, 2))
+    near, distance = np.asarray(near, np.int64)[:, 1:k], np.asarray(distance, np.float64)[:, 1:k]
     normal, rough = _normals(center, near)
-    reach = _reaches(center, away, viewpoint, size, sensor, options)
+    reach = _reaches(center, distance, viewpoint, size, sensor, options)
     linked = near.shape[1] if sensor == "lidar" else min(options.linked, near.shape[1])
-    edges = _edges(near, away, reach, linked)
+    edges = _edges(near, distance, reach, linked)
     if viewpoint is not None:
         flip = np.einsum("ij,ij->i", normal, viewpoint - center) < 0
         normal[flip] *= -1
     else:
         _orient(normal, center, edges, _steepness(normal, edges))
-    return Graph(normal, rough, near, away, edges, across_edges(center, normal, lab, edges))
+    return Graph(normal, rough, near, distance, edges, across_edges(center, normal, lab, edges))
 
 
 def _reaches(
     center: Floats,
-    away: Floats,
+    distance: Floats,
     viewpoint: Floats | None,
     size: float,
     sensor: SensorKind,
@@ -133,11 +133,11 @@ def _reaches(
     """Return the maximum length (C,) of each cell's edges, in metres."""
     if sensor == "lidar":
         origin = np.zeros(3) if viewpoint is None else viewpoint
-        distance = np.linalg.norm(center - origin, axis=1)
-        return np.asarray(options.lidar_reach + options.lidar_reach_per_metre * distance)
-    if away.shape[1] == 0:
+        eye_distance = np.linalg.norm(center - origin, axis=1)
+        return np.asarray(options.lidar_reach + options.lidar_reach_per_metre * eye_distance)
+    if distance.shape[1] == 0:
         return np.zeros(len(center))
-    spacing = away[:, min(SIXTH, away.shape[1]) - 1]
+    spacing = distance[:, min(SIXTH, distance.shape[1]) - 1]
     return np.minimum(options.reach_spacings * spacing, options.reach_cells * size)
 
 
@@ -175,7 +175,7 @@ def _normals(center: Floats, near: Ints) -> tuple[Floats, Floats]:
 
 
 @compiled
-def _edges(near: Ints, away: Floats, reach: Floats, linked: int) -> Ints:
+def _edges(near: Ints, distance: Floats, reach: Floats, linked: int) -> Ints:
     """Return distinct pairs (E, 2), i < j, of cells with one in reach of the other."""
     count = len(near)
     pairs = np.empty((count * linked, 2), np.int64)
@@ -183,12 +183,12 @@ def _edges(near: Ints, away: Floats, reach: Floats, linked: int) -> Ints:
     for i in range(count):
         for s in range(linked):
             j = near[i, s]
-            if away[i, s] > reach[i]:
+            if distance[i, s] > reach[i]:
                 break
             twice = False
             if j < i:
                 for r in range(linked):
-                    if away[j, r] > reach[j]:
+                    if distance[j, r] > reach[j]:
                         break
                     if near[j, r] == i:
                         twice = True
@@ -339,10 +339,12 @@ def bridges(graph: Graph, sensor: SensorKind, options: BridgeOptions) -> Ints:
     if len(sizes) < 2:
         return none
     reach = options.lidar_reach if sensor == "lidar" else options.reach
-    cell, slot = np.nonzero((component[graph.near] != component[:, None]) & (graph.away <= reach))
+    cell, slot = np.nonzero(
+        (component[graph.near] != component[:, None]) & (graph.distance <= reach)
+    )
     detached = component[cell] != int(sizes.argmax())
     cell, slot = cell[detached], slot[detached]
-    order = np.lexsort((cell, graph.away[cell, slot], component[cell]))
+    order = np.lexsort((cell, graph.distance[cell, slot], component[cell]))
     cell, slot = cell[order], slot[order]
     own = component[cell]
     first = np.searchsorted(own, own)

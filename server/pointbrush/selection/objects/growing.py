@@ -30,7 +30,7 @@ class _Around(NamedTuple):
 
     ``starts`` (P + 1,): start of a piece's neighbours in ``far`` and ``border``; ``between``
     (B, PAIR_WIDTH): sums of borders; ``shared`` (P, PAIR_WIDTH): sums of a piece's border with the
-    region; ``inside`` (P,): pieces that are never added; ``asked`` (P,): pieces to be scored;
+    region; ``inside`` (P,): pieces that are never added; ``queued`` (P,): pieces in ``frontier``;
     ``version`` and ``era`` (P,): of their scores; ``frontier`` (P,): neighbours to be scored.
     """
 
@@ -40,7 +40,7 @@ class _Around(NamedTuple):
     between: NDArray[np.float32]
     shared: Floats
     inside: Mask
-    asked: Mask
+    queued: Mask
     version: Ints
     era: Ints
     frontier: Ints
@@ -115,8 +115,8 @@ def _take_in(piece: int, leaves: Floats, region: Floats, around: _Around, reache
         p, b = around.far[k], around.border[k]
         for w in range(PAIR_WIDTH):
             around.shared[p, w] += around.between[b, w]
-        if not around.asked[p] and not around.inside[p]:
-            around.asked[p] = True
+        if not around.queued[p] and not around.inside[p]:
+            around.queued[p] = True
             around.frontier[reached] = p
             reached += 1
     return reached
@@ -163,7 +163,7 @@ def _grow(
     while found < most:
         for f in range(reached):
             p = around.frontier[f]
-            around.asked[p] = False
+            around.queued[p] = False
             chance = _odds(p, leaves, region, around, scorer)
             if scored < noted:
                 rows[scored] = scorer.row

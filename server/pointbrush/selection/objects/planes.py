@@ -75,8 +75,8 @@ def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
 def _near_pairs(leaves: Floats, gap: float) -> Ints:
     """Return pairs (n, 2) of pieces whose boxes are at most ``gap`` metres apart."""
     low, high = leaves[:, sums.LOW : sums.HIGH], leaves[:, sums.HIGH :]
-    away = np.maximum(np.maximum(low[:, None] - high, low - high[:, None]), 0)
-    return np.argwhere(np.triu((away**2).sum(axis=2) <= gap**2, 1))
+    gaps = np.maximum(np.maximum(low[:, None] - high, low - high[:, None]), 0)
+    return np.argwhere(np.triu((gaps**2).sum(axis=2) <= gap**2, 1))
 
 
 def _partition(leaves: Floats, pairs: Ints, off: float, size: float, options: PlaneOptions) -> Ints:
@@ -163,10 +163,10 @@ def _step(p: int, members: Ints, field: _Field, bounds: _Bounds) -> float:
     leaves, place, tint, height = field.leaves, field.place, field.tint, field.height
     raised = red = green = blue = weight = 0.0
     for m in members:
-        away = 0.0
+        square = 0.0
         for k in range(3):
-            away += (place[m, k] - place[p, k]) ** 2
-        w = leaves[m, sums.COUNT] / (1 + away / bounds.near**2) ** 2
+            square += (place[m, k] - place[p, k]) ** 2
+        w = leaves[m, sums.COUNT] / (1 + square / bounds.near**2) ** 2
         weight += w
         raised += w * height[m]
         red, green, blue = red + w * tint[m, 0], green + w * tint[m, 1], blue + w * tint[m, 2]

@@ -212,10 +212,10 @@ def _sizes(reached: Ints, size: NDArray[np.float64]) -> NDArray[np.float64]:
     total = np.zeros(len(reached))
     for i in range(len(reached)):
         for s in range(reached.shape[1]):
-            again = False
+            counted = False
             for r in range(s):
-                again |= reached[i, r] == reached[i, s]
-            if not again:
+                counted |= reached[i, r] == reached[i, s]
+            if not counted:
                 total[i] += size[reached[i, s]]
     return total
 

@@ -76,21 +76,21 @@ def save_weights(path: Path, weights: Mapping[SensorKind, Weights]) -> None:
     arrays: dict[str, Any] = {}
     for sensor, pair in weights.items():
         for kind, forest in pair._asdict().items():
-            name, here = f"{sensor}_{kind}", np.arange(len(forest.feature))
+            name, nodes = f"{sensor}_{kind}", np.arange(len(forest.feature))
             arrays[f"{name}_feature"] = forest.feature.astype(np.int8)
             arrays[f"{name}_threshold"] = forest.threshold
-            arrays[f"{name}_left"] = (forest.left - here).astype(np.int16)
-            arrays[f"{name}_right"] = (forest.right - here).astype(np.int16)
+            arrays[f"{name}_left"] = (forest.left - nodes).astype(np.int16)
+            arrays[f"{name}_right"] = (forest.right - nodes).astype(np.int16)
             arrays[f"{name}_roots"] = forest.roots
     np.savez_compressed(path, **arrays)
 
 
 def _forest(stored: Mapping[str, Any], name: str) -> Forest:
-    here = np.arange(len(stored[f"{name}_feature"]))
+    nodes = np.arange(len(stored[f"{name}_feature"]))
     return Forest(
         stored[f"{name}_feature"].astype(np.int16),
         stored[f"{name}_threshold"].astype(np.float32),
-        (stored[f"{name}_left"] + here).astype(np.int32),
-        (stored[f"{name}_right"] + here).astype(np.int32),
+        (stored[f"{name}_left"] + nodes).astype(np.int32),
+        (stored[f"{name}_right"] + nodes).astype(np.int32),
         stored[f"{name}_roots"].astype(np.int32),
     )
