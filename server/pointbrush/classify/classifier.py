@@ -146,8 +146,8 @@ class Classifier:
             return Taught(np.zeros((0, width), np.float32), none, none, none.astype(np.bool_))
         classes = np.concatenate([each.classes for each in every]).astype(np.int64)
         place = np.concatenate([each.place * len(every) + k for k, each in enumerate(every)])
-        here = [not self._is_earlier(recording) for recording, _ in self.examples]
-        own = np.repeat(here, [len(each) for each in every])
+        is_own = [not self._is_earlier(recording) for recording, _ in self.examples]
+        own = np.repeat(is_own, [len(each) for each in every])
         mine, earlier = np.flatnonzero(own), np.flatnonzero(~own)
         mine = mine[balanced(classes[mine], most)]
         left = min(most - len(mine), MOST_EARLIER)
@@ -235,7 +235,7 @@ def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:
 
 def to_file(classifier: Classifier) -> bytes:
     """Return the bytes of a classifier's file."""
-    told = {
+    header = {
         "version": VERSION,
         "name": classifier.name,
         "classes": classifier.classes,
@@ -254,7 +254,9 @@ def to_file(classifier: Classifier) -> bytes:
         ],
         "ignored": [astuple(each) for each in classifier.ignored],
     }  # fmt: skip
-    arrays: dict[str, NDArray[Any]] = {"about": np.frombuffer(json.dumps(told).encode(), np.uint8)}
+    arrays: dict[str, NDArray[Any]] = {
+        "about": np.frombuffer(json.dumps(header).encode(), np.uint8)
+    }
     if every := list(classifier.examples.values()):
         arrays["example_features"] = np.concatenate([each.features for each in every])
         arrays["example_classes"] = np.concatenate([each.classes for each in every])

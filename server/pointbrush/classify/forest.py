@@ -248,14 +248,14 @@ def _question(
 @innermost
 def _purity(totals: Floats, parts: Floats) -> float:
     """Rate a node's two parts: the more of one class each is, the higher."""
-    here = there = here_squares = there_squares = 0.0
+    left = right = left_squares = right_squares = 0.0
     for k in range(len(totals)):
         rest = totals[k] - parts[k]
-        here += parts[k]
-        there += rest
-        here_squares += parts[k] * parts[k]
-        there_squares += rest * rest
-    return here_squares / here + there_squares / there
+        left += parts[k]
+        right += rest
+        left_squares += parts[k] * parts[k]
+        right_squares += rest * rest
+    return left_squares / left + right_squares / right
 
 
 ROWS = 512

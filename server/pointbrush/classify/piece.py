@@ -16,7 +16,7 @@ from pointbrush.selection.objects.state import ObjectFrame
 Numbers = NDArray[np.int64]
 
 
-def asked_points(
+def piece_around(
     place: Described, cell: int, open_: NDArray[np.bool_],
     points: Callable[[Numbers], ExampleFrame], options: DoubtOptions,
 ) -> Numbers:  # fmt: skip
@@ -25,8 +25,8 @@ def asked_points(
     A large piece has ``options.fewest`` points; n is 0 if there is none.  ``open_`` (C,): cells
     that the piece may take; ``points`` returns points by their numbers.
     """
-    away = np.linalg.norm(place.center - place.center[cell], axis=1)
-    near = np.flatnonzero((away <= options.reach * place.size)[place.of_point])
+    distance = np.linalg.norm(place.center - place.center[cell], axis=1)
+    near = np.flatnonzero((distance <= options.reach * place.size)[place.of_point])
     of_point = place.of_point[near]
     frame = points(near)
     piece = _pieces(frame, place.center[cell].astype(np.float64), place.size, options)
@@ -34,9 +34,9 @@ def asked_points(
     large = (piece >= 0) & (np.bincount(piece + 1)[piece + 1] >= options.fewest)
     if not large.any():
         return near[:0]
-    away = np.linalg.norm(frame.xyz - place.center[cell], axis=1)
-    away[of_point != cell] += options.reach * place.size  # the cell's own points first
-    own = piece[np.where(large, away, np.inf).argmin()]
+    distance = np.linalg.norm(frame.xyz - place.center[cell], axis=1)
+    distance[of_point != cell] += options.reach * place.size  # the cell's own points first
+    own = piece[np.where(large, distance, np.inf).argmin()]
     return np.asarray(near[piece == own])
 
 

@@ -40,10 +40,12 @@ class Taught(NamedTuple):
         """
         out = np.ones(len(self.classes))
         for kind in np.unique(self.classes[~self.own]):
-            here, there = (np.flatnonzero((self.classes == kind) & (self.own == o)) for o in (1, 0))
-            places = len(np.unique(self.place[here]))
-            out[here] = places / (places + START_PLACES) / max(len(here), 1)
-            out[there] = START_PLACES / (places + START_PLACES) / len(there)
+            own, earlier = (
+                np.flatnonzero((self.classes == kind) & (self.own == o)) for o in (1, 0)
+            )
+            places = len(np.unique(self.place[own]))
+            out[own] = places / (places + START_PLACES) / max(len(own), 1)
+            out[earlier] = START_PLACES / (places + START_PLACES) / len(earlier)
         return out
 
     def learnt(self, count: int, spread: Floats, options: ForestOptions) -> Trees:

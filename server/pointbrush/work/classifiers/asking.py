@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.cache import Cache
-from pointbrush.classify.asked import asked_points
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.doubt import Doubt, doubts, two_best
 from pointbrush.classify.features import Described
+from pointbrush.classify.piece import piece_around
 from pointbrush.classify.smoothing import Chances
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import PAINTED
@@ -109,7 +109,7 @@ class Questions:
         open_[cell] = True
         points = view.recording, view.frame, view.members
         return np.sort(view.members[
-            asked_points(
+            piece_around(
                 view.place, cell, open_,
                 lambda some: example_frame(*points[:2], points[2][some]),
                 self._options.doubt,
