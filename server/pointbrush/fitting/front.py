@@ -58,7 +58,7 @@ CAB_GAP = 0.1
 """Metres: minimum gap between a cab and its load …"""
 CAB_GAP_RATIO = 2.0
 """… and its minimum ratio to the next gap: the windows of a bus are several gaps."""
-CAB_AWAY = (1.0, 3.2)
+CAB_DISTANCE = (1.0, 3.2)
 """Range of distances of this gap from the front, in metres."""
 PASSED = 1.0
 """Minimum motion of the sensor, in metres, to know the front of a static object."""
@@ -147,7 +147,7 @@ def _gap_end(side: Floats, body: tuple[float, float]) -> int:
     if gaps[k] < max(CAB_GAP, CAB_GAP_RATIO * float(second)):
         return 0
     behind, ahead = float(ordered[k]) - body[0], body[1] - float(ordered[k + 1])
-    if not CAB_AWAY[0] < min(behind, ahead) < CAB_AWAY[1] < max(behind, ahead):
+    if not CAB_DISTANCE[0] < min(behind, ahead) < CAB_DISTANCE[1] < max(behind, ahead):
         return 0
     return 1 if ahead < behind else -1
 

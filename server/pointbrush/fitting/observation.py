@@ -104,8 +104,8 @@ def near_rays(
     along = plan - eye
     length = np.maximum((along**2).sum(axis=1), 1e-12)
     part = np.clip(along @ (middle - eye) / length, 0, 1)
-    away = ((along * part[:, None] + eye - middle) ** 2).sum(axis=1)
-    return np.asarray(others[away < reach * reach], np.float64)
+    square = ((along * part[:, None] + eye - middle) ** 2).sum(axis=1)
+    return np.asarray(others[square < reach * reach], np.float64)
 
 
 def views_of(observations: Sequence[Observation], options: FitOptions) -> tuple[list[View], bool]:
@@ -155,8 +155,8 @@ def without_strays(xyz: Floats, eye: Floats | None, options: FitOptions) -> Floa
     """Return the points without small separate components, painted beside the object."""
     if len(xyz) < 2 * options.least_points:
         return xyz
-    away = 0.0 if eye is None else float(np.linalg.norm(np.median(xyz, axis=0) - eye))
-    gap = options.stray_gap + options.stray_gap_angle * away
+    distance = 0.0 if eye is None else float(np.linalg.norm(np.median(xyz, axis=0) - eye))
+    gap = options.stray_gap + options.stray_gap_angle * distance
     cells, cell = np.unique(np.floor(xyz / (gap / 2)), axis=0, return_inverse=True)
     pairs = cKDTree(cells).query_pairs(2.0, output_type="ndarray")
     ones = np.ones(len(pairs))

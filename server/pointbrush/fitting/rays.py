@@ -102,13 +102,13 @@ def ground_height(xyz: Floats, others: Floats, options: FitOptions) -> float | N
     shares = (np.abs(lowest[:, None] - levels) < 0.1).sum(axis=0)
     level = levels[int(np.argmax(shares >= 0.5 * shares.max()))]
     on = np.abs(lowest - level) < 0.15
-    away = (cells[on] + 0.5) * options.ground_cell - (low[:2] + high[:2]) / 2
-    return _sloping(away, lowest[on], options)
+    offset = (cells[on] + 0.5) * options.ground_cell - (low[:2] + high[:2]) / 2
+    return _sloping(offset, lowest[on], options)
 
 
-def _sloping(away: Floats, height: Floats, options: FitOptions) -> float:
+def _sloping(offset: Floats, height: Floats, options: FitOptions) -> float:
     """Return the height at the origin of a plane through points at ``away`` (n, 2)."""
     middle = np.median(height)
-    A = np.column_stack([np.ones(len(away)), away])
+    A = np.column_stack([np.ones(len(offset)), offset])
     ridge = np.diag([0.0, 1, 1]) * (options.ground_noise / options.ground_slope) ** 2
     return float(middle + np.linalg.solve(A.T @ A + ridge, A.T @ (height - middle))[0])
