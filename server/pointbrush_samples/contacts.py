@@ -127,8 +127,8 @@ class _Display:
                 slack = 0.5 * (column[k - 1].width - thing.width) if k else 0.0
                 aside = rng.uniform(-1, 1) * max(slack, 0.0)
                 turn = draw_normal(rng, 0.05) if rng.random() < 0.5 else rng.uniform(-0.6, 0.6)
-                here = rigid(yaw(turn if k else 0.0), vec(x + aside, y, 0))
-                self.add(thing, matmul(T_room_row, here))
+                T_row_thing = rigid(yaw(turn if k else 0.0), vec(x + aside, y, 0))
+                self.add(thing, matmul(T_room_row, T_row_thing))
                 y += thing.top
             x += column[0].width / 2
 
@@ -147,10 +147,10 @@ def contact_view(
         block((-2.5, 0, -2.6), (2.5, 2.6, -2.5), wall),
     ]
     middle = _shelf(display, rng) if rng.random() < 0.3 else _table(display, rng)
-    away, side = rng.uniform(0.7, 1.4), rng.uniform(-0.6, 0.6)
-    up = rng.uniform(0.3, 0.9) * away * (0.4 if middle[2] else 1.0)
+    distance, side = rng.uniform(0.7, 1.4), rng.uniform(-0.6, 0.6)
+    up = rng.uniform(0.3, 0.9) * distance * (0.4 if middle[2] else 1.0)
     place = vec(*middle)
-    eye = place + vec(away * sin(side), up, away * cos(side))
+    eye = place + vec(distance * sin(side), up, distance * cos(side))
     T_room_camera = look_at(eye, place + draw_normal(rng, 0.06, 3))
     return view_of(display.solids, T_room_camera, camera, Sensor(), rng)
 

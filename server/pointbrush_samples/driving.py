@@ -100,14 +100,16 @@ def drive(seed: int, frames: int, rate: float = 10.0) -> list[Labelled]:
     Labels are of vehicles; ``T_room_frame`` is the sensor's pose.
     """
     street = DrivenStreet(seed)
-    told = np.zeros(street.count + 1, np.bool_)
-    told[[*street.parked, *street.driving]] = True
+    is_labelled = np.zeros(street.count + 1, np.bool_)
+    is_labelled[[*street.parked, *street.driving]] = True
     made = []
     for i in range(frames):
         eye: Array = vec(LANE * street.road, HEIGHT, START + street.own.speed * i / rate)
         turn = spin(LIDAR, eye, street.at(i / rate), np.random.default_rng([seed, 67, i]))
         xyz = (turn.xyz - eye).astype(np.float32)
         frame = PointFrame(xyz, intensity=turn.intensity, viewpoint=np.zeros(3))
-        label: NDArray[np.uint16] = np.where(told[turn.label], turn.label, 0).astype(np.uint16)
+        label: NDArray[np.uint16] = np.where(is_labelled[turn.label], turn.label, 0).astype(
+            np.uint16
+        )
         made.append(Labelled(frame, label, rigid(np.eye(3), eye)))
     return made

@@ -146,10 +146,10 @@ class Interior:
         for _ in range(TRIES):
             side, gap = int(rng.integers(4)), rng.uniform(0.0, 0.06) * (rng.random() < 0.6)
             long = self.width if side % 2 == 0 else self.depth
-            away = (self.depth if side % 2 == 0 else self.width) / 2
+            wall_distance = (self.depth if side % 2 == 0 else self.width) / 2
             along = rng.uniform(-1, 1) * max(long / 2 - furniture.width / 2, 0)
             turn = side * math.pi / 2
-            place = matmul(yaw(turn), vec(along, 0, -away + furniture.depth / 2 + gap))
+            place = matmul(yaw(turn), vec(along, 0, -wall_distance + furniture.depth / 2 + gap))
             if self._free(float(place[0]), float(place[2]), radius, self.furnishing.apart):
                 self._taken.append((float(place[0]), float(place[2]), radius))
                 self._add(furniture, float(place[0]), float(place[2]), turn)
@@ -174,10 +174,12 @@ class Interior:
             if self._rng.random() < 0.5:
                 continue
             reach = (table.depth if side % 2 == 0 else table.width) / 2
-            away = reach + self._rng.uniform(-0.12, 0.35)
+            distance = reach + self._rng.uniform(-0.12, 0.35)
             heading = turn + side * math.pi / 2
             seat = chair(self._rng)
-            place = matmul(yaw(heading), vec(self._rng.uniform(-0.1, 0.1), 0, away)) + vec(x, 0, z)
+            place = matmul(yaw(heading), vec(self._rng.uniform(-0.1, 0.1), 0, distance)) + vec(
+                x, 0, z
+            )
             inside = abs(place[0]) < self.width / 2 - 0.3 and abs(place[2]) < self.depth / 2 - 0.3
             if inside:
                 facing = heading + math.pi + self._rng.uniform(-0.4, 0.4)
@@ -224,12 +226,12 @@ class Interior:
         for _ in range(int(rng.integers(*kinds.many_on_walls))):
             side, thick = int(rng.integers(4)), rng.uniform(0.015, 0.1)
             long = self.width if side % 2 == 0 else self.depth
-            away = (self.depth if side % 2 == 0 else self.width) / 2
+            wall_distance = (self.depth if side % 2 == 0 else self.width) / 2
             if kinds.on_walls:
                 hung = self._one_of(kinds.on_walls)
                 along = rng.uniform(-1, 1) * max(long / 2 - hung.width / 2, 0)
                 turn = side * math.pi / 2
-                place = matmul(yaw(turn), vec(along, 0, -away + hung.depth / 2))
+                place = matmul(yaw(turn), vec(along, 0, -wall_distance + hung.depth / 2))
                 self._add(hung, float(place[0]), float(place[2]), turn)
                 continue
             w, h = rng.uniform(0.25, 1.4), rng.uniform(0.25, 1.1)
@@ -238,6 +240,10 @@ class Interior:
                 w, h, low = 0.85, 2.05, 0.0
             x = rng.uniform(-1, 1) * max(long / 2 - w / 2, 0)
             stuff: Material = material(rng)
-            panel = block((x - w / 2, low, -away), (x + w / 2, low + h, -away + thick), stuff)
+            panel = block(
+                (x - w / 2, low, -wall_distance),
+                (x + w / 2, low + h, -wall_distance + thick),
+                stuff,
+            )
             hung = Furniture((panel,), w, thick)
             self._add(hung, 0.0, 0.0, side * math.pi / 2)

@@ -77,9 +77,9 @@ def _somewhere(solids: list[Solid], eye: Array, rng: np.random.Generator, reach:
     places = np.array([s.pose[:3, 3] for s in solids if s.label])
     if len(places) == 0:
         return np.asarray(eye + vec(1, -0.3, 0))
-    away = norms(places - eye)
-    near = np.flatnonzero((away < reach) & (away > 0.9))
-    chosen = int(rng.choice(near)) if len(near) else int(away.argmin())
+    distance = norms(places - eye)
+    near = np.flatnonzero((distance < reach) & (distance > 0.9))
+    chosen = int(rng.choice(near)) if len(near) else int(distance.argmin())
     return np.asarray(places[chosen] + draw_normal(rng, 0.15, 3))
 
 

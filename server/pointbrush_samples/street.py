@@ -93,16 +93,18 @@ class Street:
     def _houses(self, side: int) -> None:
         rng, z = self._rng, -LENGTH
         while z < LENGTH:
-            long, away = rng.uniform(6, 22), self._walk + rng.uniform(0.5, 9.0)
+            long, facade = rng.uniform(6, 22), self._walk + rng.uniform(0.5, 9.0)
             kind, stuff = rng.random(), matte(colour(rng))
             if kind < 0.55:
-                self._block(side, (away, away + 12), (z, z + long), rng.uniform(4, 16), stuff)
+                self._block(side, (facade, facade + 12), (z, z + long), rng.uniform(4, 16), stuff)
                 for k in range(int(long / 3)):
                     a = z + 1 + 3 * k
-                    out = away - rng.uniform(-0.05, 0.3)
-                    self._block(side, (out, away + 0.1), (a, a + 1.2), 2.2, stuff, 0.9)
+                    out = facade - rng.uniform(-0.05, 0.3)
+                    self._block(side, (out, facade + 0.1), (a, a + 1.2), 2.2, stuff, 0.9)
             elif kind < 0.8:
-                self._block(side, (away, away + 0.3), (z, z + long), rng.uniform(0.8, 2.2), stuff)
+                self._block(
+                    side, (facade, facade + 0.3), (z, z + long), rng.uniform(0.8, 2.2), stuff
+                )
             z += long + rng.uniform(0.0, 6.0)
 
     def _block(
@@ -156,9 +158,9 @@ class Street:
             if kind < 0.35:
                 group = int(rng.integers(1, 4))
                 for k in range(group):
-                    body, away = pedestrian(rng), z + draw_normal(rng, 0.3)
+                    body, along = pedestrian(rng), z + draw_normal(rng, 0.3)
                     turn = rng.uniform(0, 6)
-                    self._add(body, x + 0.6 * k, away, turn, y, "pedestrian")
+                    self._add(body, x + 0.6 * k, along, turn, y, "pedestrian")
             elif kind < 0.6:
                 self._add(tree(rng), x, z, 0.0, y)
             elif kind < 0.75:

@@ -146,8 +146,8 @@ def traffic(seed: int, frames: int, rate: float = 10.0) -> TrueTraffic:
     Labels are of the objects; ``T_room_frame`` is the sensor's pose.
     """
     street, made = Traffic(seed), []
-    told = np.zeros(street.count + 1, np.bool_)
-    told[list(street.objects)] = True
+    is_labelled = np.zeros(street.count + 1, np.bool_)
+    is_labelled[list(street.objects)] = True
     eyes = [
         vec(LANE * street.road, HEIGHT, START + street.own.speed * i / rate) for i in range(frames)
     ]
@@ -156,7 +156,7 @@ def traffic(seed: int, frames: int, rate: float = 10.0) -> TrueTraffic:
         frame = PointFrame(
             (turn.xyz - eye).astype(np.float32), intensity=turn.intensity, viewpoint=np.zeros(3)
         )
-        label = np.where(told[turn.label], turn.label, 0).astype(np.uint16)
+        label = np.where(is_labelled[turn.label], turn.label, 0).astype(np.uint16)
         made.append(Labelled(frame, label, rigid(np.eye(3), eye)))
     boxes = {label: _box(street, label, eyes, rate) for label in street.objects}
     kinds = {label: kind for label, (kind, _) in street.objects.items()}

@@ -163,10 +163,12 @@ class _House:
 
     def roof(self, own: Array) -> Array:
         """Height (n,) of the roof."""
-        away = 1 - np.abs(own[:, 1]) / self.half[1]
+        height_share = 1 - np.abs(own[:, 1]) / self.half[1]
         if self.hipped:
-            away = np.minimum(away, (self.half[0] - np.abs(own[:, 0])) / self.half[1])
-        return np.asarray(self.base + self.eaves + self.rise * np.clip(away, 0, 1))
+            height_share = np.minimum(
+                height_share, (self.half[0] - np.abs(own[:, 0])) / self.half[1]
+            )
+        return np.asarray(self.base + self.eaves + self.rise * np.clip(height_share, 0, 1))
 
 
 def aerial_tile(seed: int, options: AerialOptions | None = None) -> PointFrame:
@@ -300,10 +302,10 @@ def _tree(
     base = float(land.height(at[None])[0])
     low = 0.0 if bush else rng.uniform(1.0, 4.0)
     high = low + radius * (rng.uniform(0.9, 1.8) if bush else rng.uniform(1.6, 3.4))
-    away = norms(xy - at) / radius
-    on = np.flatnonzero((away < 1) & free)
+    offset = norms(xy - at) / radius
+    on = np.flatnonzero((offset < 1) & free)
     free[on] = False
-    half = (high - low) / 2 * np.sqrt(1 - away[on] ** 2)
+    half = (high - low) / 2 * np.sqrt(1 - offset[on] ** 2)
     top, foot = base + (low + high) / 2 + half, base + (low + high) / 2 - half
     first = top - draw_exponential(rng, INSIDE, len(on))
     met = first > foot

@@ -138,12 +138,12 @@ def _inside(place: Array, level: float) -> float:
     """Return a person's distance from the side or lower edge of the picture, as a tangent, at
     ``level`` metres above the floor; negative outside."""
     pitch = math.radians(PITCH)
-    away = vec(place[0], level - HEIGHT, place[2])
-    depth = -away[2] * cos(pitch) - away[1] * sin(pitch)
+    local = vec(place[0], level - HEIGHT, place[2])
+    depth = -local[2] * cos(pitch) - local[1] * sin(pitch)
     if depth < 0.5:
         return -1.0
-    down = -away[1] * cos(pitch) + away[2] * sin(pitch)
-    return float(min(EDGE_TAN - abs(away[0]) / depth, LOWER_EDGE_TAN - down / depth))
+    down = -local[1] * cos(pitch) + local[2] * sin(pitch)
+    return float(min(EDGE_TAN - abs(local[0]) / depth, LOWER_EDGE_TAN - down / depth))
 
 
 def _clearance(loops: Sequence[Loop], times: Array) -> float:

@@ -176,14 +176,14 @@ def light_moving(room: LitRoom, s: Shaded, depth: Field, balls: Sequence[Ball]) 
 def crevices(depth: Field, pixel: NDArray[np.intp], width: int, height: int, reach: float) -> Field:
     """(N,) 0..1 openness of pixels, from how many neighbours stand up to ``reach`` in front."""
     rows, columns = pixel // width, pixel % width
-    here = depth[pixel]
-    radius = np.clip(reach * 365.0 / np.maximum(here, 0.3) * 0.6, 2, 40)
+    own_depth = depth[pixel]
+    radius = np.clip(reach * 365.0 / np.maximum(own_depth, 0.3) * 0.6, 2, 40)
     closed = np.zeros(pixel.size, np.float32)
     for number in range(10):
         angle, part = number * 2.4, math.sqrt((number + 0.5) / 10)
         r = np.clip(rows + sin(angle) * part * radius, 0, height - 1).astype(np.intp)
         c = np.clip(columns + cos(angle) * part * radius, 0, width - 1).astype(np.intp)
-        step = (here - depth[r * width + c]) / np.float32(reach)
+        step = (own_depth - depth[r * width + c]) / np.float32(reach)
         closed += np.where(step < 1.5, np.clip((step - 0.06) * 2, 0, 1), 0)
     return np.asarray(1 - 0.62 * np.minimum(closed / 7, 1), np.float32)
 

@@ -119,8 +119,8 @@ def atan2(y: float, x: float) -> float:
     """Return the angle of (x, y) from the x axis, -pi to pi."""
     if x < 0:
         return math.copysign(math.pi, y) - atan2(y, -x)
-    away = math.sqrt(x * x + y * y)
-    tangent = y / (away + x) if away else 0.0
+    hypotenuse = math.sqrt(x * x + y * y)
+    tangent = y / (hypotenuse + x) if hypotenuse else 0.0
     for _ in range(HALVINGS - 1):
         tangent /= 1 + math.sqrt(1 + tangent * tangent)
     square, value = tangent * tangent, 0.0

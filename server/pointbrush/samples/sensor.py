@@ -249,11 +249,11 @@ def _aimed(spinner: Spinner, solid: Solid, eye: Array) -> NDArray[np.intp]:
     lo, hi = (bound * solid.scale for bound in solid.shape.bounds)
     middle = matmul(solid.pose[:3, :3], (lo + hi) / 2) + solid.pose[:3, 3] - eye
     radius = norm(hi - lo) / 2
-    away = norm(middle)
-    if away <= radius * 1.05:
+    distance = norm(middle)
+    if distance <= radius * 1.05:
         return np.arange(spinner.rings * spinner.steps)
-    half = asin(radius / away)
-    elevation = asin(float(middle[1]) / away)
+    half = asin(radius / distance)
+    elevation = asin(float(middle[1]) / distance)
     span = math.radians(spinner.highest - spinner.lowest) / (spinner.rings - 1)
     first = math.floor((elevation - half - math.radians(spinner.lowest)) / span)
     last = math.ceil((elevation + half - math.radians(spinner.lowest)) / span)

@@ -276,8 +276,8 @@ class Script:
         move = before[-1]
         if t >= move.grasp:
             held = self._grip(move, side, t)
-            away = smoothstep((t - move.release) / 0.4)
-            return np.asarray(held + (rest - held) * 0.5 * away)
+            progress = smoothstep((t - move.release) / 0.4)
+            return np.asarray(held + (rest - held) * 0.5 * progress)
         came = rest
         if len(before) > 1:
             came = self.hand(which, before[-1].begin - 1e-6)

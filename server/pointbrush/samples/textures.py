@@ -156,8 +156,8 @@ def face(p: Field, *, skin: Color, hair: Color, hairline: float) -> Field:
     """A head of unit half-height 0.12 m: skin, eyes, brows, mouth, hair above; it looks along z."""
     color = _paint(skin, 0.9 + 0.2 * noise(p, 0.05))
     front = p[2] > 0
-    away = ((np.abs(p[0]) - 0.04) / 0.02) ** 2 + ((p[1] + 0.03) / 0.02) ** 2
-    cheeks = (np.maximum(1 - away / 4, 0) ** 2) ** 2
+    square = ((np.abs(p[0]) - 0.04) / 0.02) ** 2 + ((p[1] + 0.03) / 0.02) ** 2
+    cheeks = (np.maximum(1 - square / 4, 0) ** 2) ** 2
     color *= 1 + np.array([[0.10], [-0.12], [-0.12]], np.float32) * (cheeks * front)
     eyes = (np.abs(np.abs(p[0]) - 0.032) < 0.012) & (np.abs(p[1] - 0.012) < 0.007) & front
     brows = (np.abs(np.abs(p[0]) - 0.032) < 0.018) & (np.abs(p[1] - 0.034) < 0.005) & front

@@ -104,21 +104,23 @@ class Walk:
 
     def posture(self, t: float) -> Posture:
         """Return the body in mid-stride."""
-        here = self.place(t)
+        place = self.place(t)
         ahead = self.place(t + 0.05) - self.place(t - 0.05)
         heading = atan2(ahead[0], ahead[2])
         speed = min(1.0, norm(ahead) / 0.1 / 0.7)
         cycle = float(np.interp(t, self._times, self._walked)) / self._stride
         swing = 2 * math.pi * cycle
         bob = 0.018 * cos(2 * swing) * speed
-        pelvis = here + UP * ((0.925 + bob) * self._size)
+        pelvis = place + UP * ((0.925 + bob) * self._size)
         pelvis = pelvis + matmul(yaw(heading), vec(0.02 * sin(swing), 0, 0))
         feet = (
-            self._foot(here, heading, cycle, 1.0, speed),
-            self._foot(here, heading, cycle + 0.5, -1.0, speed),
+            self._foot(place, heading, cycle, 1.0, speed),
+            self._foot(place, heading, cycle + 0.5, -1.0, speed),
         )
         hands = hanging_hands(pelvis, heading, self.look.height, -0.8 * speed * cos(swing - 0.3))
-        gaze = here + matmul(yaw(heading + 0.4 * wobble(t, self._gaze, (2.9, 4.3))), vec(0, 1.5, 2))
+        gaze = place + matmul(
+            yaw(heading + 0.4 * wobble(t, self._gaze, (2.9, 4.3))), vec(0, 1.5, 2)
+        )
         return Posture(
             pelvis,
             heading,
@@ -131,7 +133,7 @@ class Walk:
             elbows=vec(0.25, -0.35, -1.0),
         )
 
-    def _foot(self, here: Array, heading: float, cycle: float, side: float, speed: float) -> Foot:
+    def _foot(self, place: Array, heading: float, cycle: float, side: float, speed: float) -> Foot:
         """Return a foot: still on the floor in stance, then swung forward."""
         u = cycle % 1.0
         half = STANCE * self._stride / 2 * (0.35 + 0.65 * speed)
@@ -146,7 +148,7 @@ class Walk:
             pitch = 0.6 * (1 - smoothstep(s * 1.4)) - 0.25 * smoothstep(s * 2 - 1)
         pitch *= 0.2 + 0.8 * speed
         height = 0.085 * self._size + lift + 0.16 * max(0.0, sin(pitch))
-        ankle = here + matmul(yaw(heading), vec(side * 0.085, height, forward - 0.02))
+        ankle = place + matmul(yaw(heading), vec(side * 0.085, height, forward - 0.02))
         return Foot(ankle, heading + side * 0.08, pitch)
 
 
