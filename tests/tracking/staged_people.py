@@ -98,16 +98,16 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Per
     return PersonObservation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])
 
 
-def somebody(label: int, right: float, colour: np.ndarray, well: int) -> Person:
+def staged_person(label: int, right: float, colour: np.ndarray, last_clear: int) -> Person:
     middle, tints = body(right, colour)
-    person = Person.met(
+    person = Person.first_seen(
         OPTIONS, label, middle, tints, 0, ColourHistogram.of(tints, OPTIONS.appearance)
     )
-    person.well, person.area = well, 30 * 5 * 9.0
+    person.last_clear, person.area = last_clear, 30 * 5 * 9.0
     return person
 
 
 def as_tall(label: int, right: float, tall: float) -> Person:
-    person = somebody(label, right, RED, well=9)
+    person = staged_person(label, right, RED, last_clear=9)
     person.identity.stature.tops = [tall, tall]
     return person

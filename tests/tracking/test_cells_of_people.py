@@ -13,8 +13,8 @@ from staged_people import (
     RED,
     UP,
     body,
-    somebody,
     staged,
+    staged_person,
 )
 from views import shot
 
@@ -121,14 +121,14 @@ def test_who_is_seen_in_two_pieces_far_apart_keeps_a_surface() -> None:
     )
     observation.cells_of, observation.area = lambda _: np.arange(10), len
     observation.at_side = lambda _: False
-    person = Person.met(OPTIONS, 1, middle, middle.astype(np.float32), 0)
+    person = Person.first_seen(OPTIONS, 1, middle, middle.astype(np.float32), 0)
     person.frames_unseen = 1
     person.follow(cast(PersonObservation, observation), np.zeros(3), 1)
     assert len(person.xyz) == 5
 
 
 def test_what_shows_of_who_is_all_but_hidden_is_his() -> None:
-    person = somebody(1, 0.0, RED, well=9)
+    person = staged_person(1, 0.0, RED, last_clear=9)
     observation = staged(body(0.0, RED))
     observation.owner[:2] = 1
     person.follow(observation, np.zeros(3), 10)

@@ -14,8 +14,8 @@ from staged_people import (
     UP,
     as_tall,
     body,
-    somebody,
     staged,
+    staged_person,
 )
 
 from pointbrush.tracking.people.arrivals import exchange, exchanged
@@ -23,7 +23,7 @@ from pointbrush.tracking.people.group import Group, astray
 
 
 def test_doubts_end_when_clothes_tell() -> None:
-    one, two = somebody(1, 0.0, RED, well=10), somebody(2, 1.0, BLUE, well=10)
+    one, two = staged_person(1, 0.0, RED, last_clear=10), staged_person(2, 1.0, BLUE, last_clear=10)
     one.doubt(two)
     observation = staged(body(0.0, RED), body(1.0, RED))
     observation.owner[:] = np.repeat([1, 2], 30)
@@ -40,10 +40,10 @@ def test_what_was_hidden_where_somebody_was_painted_tells_their_clothes_once_he_
     touching: float, doubted: bool, told: bool
 ) -> None:
     legs, shirt = body(0.0, BLUE), body(0.0, RED, tall=1.0)
-    person = somebody(1, 0.0, BLUE, well=10)
+    person = staged_person(1, 0.0, BLUE, last_clear=10)
     person.identity.colours, person.identity.shown = legs[1], 30 * 5 * 9.0
     if doubted:
-        person.doubt(somebody(2, 1.0, RED, well=5))
+        person.doubt(staged_person(2, 1.0, RED, last_clear=5))
     observation = staged(legs, shirt)
     observation.owner[:] = 1
     assert person.likeness(shirt[1]) < -OPTIONS.body.unlike_log
@@ -66,19 +66,19 @@ def test_who_is_where_another_was_expected_is_astray() -> None:
 def test_who_changed_places_are_changed_back_when_their_clothes_tell(
     wear: np.ndarray, told: bool
 ) -> None:
-    one, two = somebody(1, 0.0, RED, well=9), somebody(2, 1.0, wear, well=9)
-    one.went = np.array([0.5, 0.0, 0.0])
+    one, two = staged_person(1, 0.0, RED, last_clear=9), staged_person(2, 1.0, wear, last_clear=9)
+    one.displacement = np.array([0.5, 0.0, 0.0])
     observation = staged(body(0.0, wear), body(1.0, RED))
     observation.owner[:] = np.repeat([1, 2], 30)
     for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
         assert observation.owner[0] == 1
         assert bool(one.identity.doubts) == (told and now > 10)
-        one.well = two.well = now - 1
+        one.last_clear = two.last_clear = now - 1
         exchange(observation, [one, two], now)
     assert observation.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.label == (2 if told else 1)
     him = two if told else one
-    np.testing.assert_allclose(him.went, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(him.displacement, [1.5 if told else 0.5, 0.0, 0.0], atol=1e-9)
 
 
 @pytest.mark.parametrize(("other", "told"), [(0.2, True), (0.01, False)])
@@ -95,13 +95,13 @@ def test_who_changed_places_are_changed_back_when_their_statures_tell(
 
 @pytest.mark.parametrize("doubted", [True, False])
 def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubted: bool) -> None:
-    one, stranger = as_tall(1, 0.0, 0.3), somebody(-1, 1.0, RED, well=9)
+    one, stranger = as_tall(1, 0.0, 0.3), staged_person(-1, 1.0, RED, last_clear=9)
     one.identity.doubts = {2} if doubted else set()
     one.identity.sure, stranger.since = 4, 6
     observation = staged(body(0.0, RED, 0.0), body(1.0, RED, 0.3), coloured=False)
     observation.owner[:] = np.repeat([1, -1], 30)
     for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
-        one.well = stranger.well = now
+        one.last_clear = stranger.last_clear = now
         exchange(observation, [one, stranger], now)
     assert observation.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
     # Who was there while he was surely himself is not he.

@@ -12,7 +12,7 @@ from runs import follow
 from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.scene.images import DepthNoise
-from pointbrush.tracking.scene.pixels import LastSeen, again
+from pointbrush.tracking.scene.pixels import LastSeen, reappearing_labels
 from pointbrush.tracking.sensors.camera import Projection, find_lens
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.predict import search_among
@@ -124,7 +124,7 @@ def test_a_cell_is_held_until_what_lies_behind_shows_or_the_thing_is_elsewhere()
     )
     assert missed.tolist() == [True, False, True, False]
     points = Projection(np.arange(4, dtype=np.int32), seen(2, 2.5, 2, 4))
-    shown = again(points, np.arange(4), held, DepthNoise(0.01, 0.0), 2.0)
+    shown = reappearing_labels(points, np.arange(4), held, DepthNoise(0.01, 0.0), 2.0)
     assert shown.tolist() == [7, 0, 7, 0]
     held.learn(seen(3, 2, 2, 4), owned(0, 0, 0, 0), limit, unknown, options=OPTIONS.background)
     assert held.label.tolist() == [0, 7, 7, 0]

@@ -12,7 +12,7 @@ from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
-from pointbrush.tracking.steps.settle import well_seen
+from pointbrush.tracking.steps.settle import is_clearly_visible
 from pointbrush.tracking.steps.verdict import Verdict
 
 OPTIONS = TrackerOptions()
@@ -68,10 +68,10 @@ def test_what_moves_in_sight_rests_no_longer_though_it_shows_fewer_points() -> N
     few, clear = int(0.3 * track.size), Verdict(True, 0.9, 0.9, hidden, hidden, 0.9)
     for _ in range(4):
         track.motion = track.motion.add(np.eye(4))
-    assert not well_seen(track, clear, few)
+    assert not is_clearly_visible(track, clear, few)
     for step in range(1, 4):
         pose = np.eye(4)
         pose[0, 3] = 0.1 * step
         track.motion = track.motion.add(pose)
-    assert well_seen(track, clear, few)
-    assert not well_seen(track, replace(clear, visible=0.2), few)
+    assert is_clearly_visible(track, clear, few)
+    assert not is_clearly_visible(track, replace(clear, visible=0.2), few)

@@ -158,12 +158,12 @@ def test_what_bends_and_is_half_hidden_keeps_what_it_was() -> None:
 def test_what_comes_near_is_not_asked_more_finely_than_its_model_is_known() -> None:
     track = half_hidden()[0]
     unit, spacing = track.unit, track.model.spacing
-    track.come_to(10.0)
-    for away in (5.0, 2.5, 1.25):
-        track.come_to(away)
+    track.set_distance(10.0)
+    for distance in (5.0, 2.5, 1.25):
+        track.set_distance(distance)
     assert 0.4 * spacing < track.unit < unit
-    for away in (2.5, 5.0, 10.0):
-        track.come_to(away)
+    for distance in (2.5, 5.0, 10.0):
+        track.set_distance(distance)
     assert np.isclose(track.unit, unit)
 
 

@@ -98,6 +98,6 @@ def test_a_value_out_of_its_bounds_is_named() -> None:
         ContextOptions(max_points=0)  # something is divided by it
     with pytest.raises(BadInputError, match=r"side_pixels: expected a whole .* got '64'"):
         JumpOptions(side_pixels="64")  # type: ignore[arg-type]
-    with pytest.raises(BadInputError, match=r"asked_frames: expected a whole number"):
-        ScanOdometryOptions(asked_frames=(1, 2.5, 3))  # type: ignore[arg-type]
+    with pytest.raises(BadInputError, match=r"tested_frames: expected a whole number"):
+        ScanOdometryOptions(tested_frames=(1, 2.5, 3))  # type: ignore[arg-type]
     assert VisualOdometryOptions(start_aside_px=(-1.0, 1.0)).start_aside_px[0] < 0

@@ -12,8 +12,8 @@ from staged_people import (
     RED,
     UP,
     body,
-    somebody,
     staged,
+    staged_person,
 )
 
 from pointbrush.tracking import TrackOptions
@@ -27,24 +27,24 @@ from pointbrush.tracking.steps.settle import Outcome
 
 def test_somebody_has_gone_where_he_is_elsewhere_along_the_ground() -> None:
     observation = staged(body(0.0, RED))
-    person = somebody(1, 0.0, RED, 0)
+    person = staged_person(1, 0.0, RED, 0)
     observation.owner[:] = 1
     stride = 0.2 * observation.flat[:, 0]
     for now in range(3):
         person.follow(observation, observation.up, now)
-    assert person.gone() is None
+    assert person.departure() is None
     for now in range(3, 6):
         person.follow(observation, stride, now)
-    assert person.gone() == (3, pytest.approx(0.6))
+    assert person.departure() == (3, pytest.approx(0.6))
 
 
 def test_what_somebody_leaves_behind_is_made_scenery() -> None:
     observation = staged(body(0.0, RED))
     told: list[tuple[int, int, float]] = []
     background = SimpleNamespace(left_behind=lambda *what: told.append(what))
-    people = [somebody(label, 0.0, RED, 0) for label in (1, 2, -1)]
+    people = [staged_person(label, 0.0, RED, 0) for label in (1, 2, -1)]
     for person, stride in zip(people, (0.3, 0.1, 0.3), strict=True):
-        person.ways.extend(np.array([stride * i, 0.0]) for i in range(4))
+        person.positions.extend(np.array([stride * i, 0.0]) for i in range(4))
     group = Group(OPTIONS, people, 0.1, 0.01, observation.flat, observation.up, 30.0)
     group.leave_behind(cast(ImageBackground, background))
     assert told == [(1, 2, pytest.approx(0.6))]
@@ -54,10 +54,10 @@ def test_what_somebody_leaves_behind_is_made_scenery() -> None:
 def test_what_somebody_carries_goes_along_with_them_while_it_is_hidden(
     confidence: float, along: bool
 ) -> None:
-    bearer = somebody(2, 0.0, RED, well=9)
+    bearer = staged_person(2, 0.0, RED, last_clear=9)
     view = cast(View, SimpleNamespace(xyz=np.vstack([bearer.xyz, bearer.xyz]).astype(np.float32)))
     bag = SimpleNamespace(
-        label=1, unit=0.01, confidence=confidence, away=True, carrier=None, size=9.0,
+        label=1, unit=0.01, confidence=confidence, has_left_start=True, carrier=None, size=9.0,
         motion=Motion(OPTIONS.search, np.median(bearer.xyz, axis=0)),
     )  # fmt: skip
     tracking = JointTracking(cast(dict[int, Track], {1: bag}), OPTIONS, TrackOptions())

@@ -48,9 +48,9 @@ class _Task:
         """Return ``known`` with the labels ``found`` at a position of the order added."""
         number = self.order[at]
 
-        def known(asked: int) -> FrameKnowledge | None:
-            know = self.known(asked)
-            if asked != number:
+        def known(requested: int) -> FrameKnowledge | None:
+            know = self.known(requested)
+            if requested != number:
                 return know
             count = len(self.frames(number).xyz)
             label = np.zeros(count, np.uint16) if know is None else know.label.copy()

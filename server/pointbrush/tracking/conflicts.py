@@ -37,14 +37,14 @@ def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) ->
         if search is None:
             continue
         elsewhere = register_and_claim(tracks[label], view, search)
-        again = {**claims, label: elsewhere.claim}
-        better = decide(len(view.xyz), again)
+        relocated = {**claims, label: elsewhere.claim}
+        better = decide(len(view.xyz), relocated)
         # If another track has nearly all points, that track is there and not this object.
         cheaper = elsewhere.registration.cost < found[label].registration.cost
         anothers = kept < options.others_share * all_ and cheaper
         gain = options.others_share if anothers else options.gain
         if len(better[label].indices) > gain * kept:
-            decided, claims, found[label] = better, again, elsewhere
+            decided, claims, found[label] = better, relocated, elsewhere
     settled = {
         label: replace(
             one,
@@ -92,7 +92,7 @@ def _surely(
     It shows at its last position and depth, or in front of a known scene in its own colours.
     """
     options = view.options.relocate
-    if float((background.again(view, points) == label).mean()) > options.shown_share:
+    if float((background.reappearing_labels(view, points) == label).mean()) > options.shown_share:
         return True
     certain = float(background.certain(view, points).mean()) > options.shown_share
     return certain and recognised(label, tracks, view, points)

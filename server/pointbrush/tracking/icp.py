@@ -147,8 +147,8 @@ class PaperTracker:
                     objects[label] = _begun(frame, certain, track.pose)
                     stopped.discard(label)
                 elif label not in stopped:
-                    asked = (number, label)
-                    found, state = self._step(track, frame, rules, asked, list(objects))
+                    frame_label = (number, label)
+                    found, state = self._step(track, frame, rules, frame_label, list(objects))
                     tracks[label] = state
                     if len(found):
                         assignments[label] = found
@@ -163,10 +163,10 @@ class PaperTracker:
         track: _Object,
         frame: TrackFrame,
         rules: FrameRules,
-        asked: tuple[int, int],
+        frame_label: tuple[int, int],
         labels: list[int],
     ) -> tuple[I64, TrackState]:
-        """Return an object's points and state in a frame; ``asked``: frame number and label."""
+        """Return an object's points and state; ``frame_label``: number of the frame and label."""
         lost = TrackState(track.pose, 0.0, 0.0, 0.0, 0, "lost")
         if len(frame.xyz) == 0:
             return np.empty(0, np.int64), lost
@@ -175,7 +175,7 @@ class PaperTracker:
             pair = closest_point(frame)
         else:
             pair = most_similar_colour(frame, track.colour, self.k)
-        watch = None if self.watch is None else partial(self.watch, *asked)
+        watch = None if self.watch is None else partial(self.watch, *frame_label)
         fit = icp(track.xyz, frame.xyz.astype(np.float64), pair, watch=watch)
         # 2. The label goes to the next frame's points near the moved object.
         moved = transform(fit.T_target_source, track.xyz)
@@ -183,7 +183,7 @@ class PaperTracker:
         near = [np.asarray(n, np.int64) for n in frame.kdtree.query_ball_point(moved, reach)]
         found = np.unique(np.concatenate(near))
         found = found[rules.free(labels)[found]]
-        found = np.union1d(found, rules.anchors(asked[1]))
+        found = np.union1d(found, rules.anchors(frame_label[1]))
         if len(found) == 0:
             return found, lost
         # 3. The confidence, which the paper does not have.
@@ -191,7 +191,7 @@ class PaperTracker:
         pose = fit.T_target_source @ track.pose
         evidence = _evidence(track, frame, found, pose, options=self.confidence)
         if self.learn is not None:
-            self.learn(*asked, evidence)
+            self.learn(*frame_label, evidence)
         sure = min(evidence.likelihood(self.confidence), track.confidence + self.confidence.regain)
         return found, TrackState(pose, fit.rmse, inliers, sure, len(found), "tracked")
 
@@ -202,13 +202,13 @@ def _evidence(
     """Return features of the points ``found`` (M,) against painted points moved by all steps."""
     painted = track.painted
     moved = pose @ inverse(painted.T_frame_start)
-    away, at = nearest(frame.kdtree, transform(moved, painted.xyz), 1)
+    distance, at = nearest(frame.kdtree, transform(moved, painted.xyz), 1)
     reach = options.on_spacings * track.spacing
     some = frame.xyz[found[:: max(1, len(found) // SAMPLE)]].astype(np.float64)
     beyond, _ = nearest(painted.tree, transform(inverse(moved), some), 1)
     return IcpEvidence(
-        residual=float(np.median(away)) / track.spacing,
-        found=float(((away < reach) & np.isin(at, found)).mean()),
+        residual=float(np.median(distance)) / track.spacing,
+        found=float(((distance < reach) & np.isin(at, found)).mean()),
         beyond=float((beyond > reach).mean()),
     )
 

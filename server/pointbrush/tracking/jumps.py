@@ -47,7 +47,7 @@ class Jump:
 
 def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) -> Iterator[Jump]:
     """Yield the jumps along ``order``; none if the recording has poses or the sensor moves."""
-    if len(order) < 2 or _told(frames, order, options=options.scan_odometry):
+    if len(order) < 2 or _sensor_moves(frames, order, options=options.scan_odometry):
         return
     at, moving = 0, 0
     while at < len(order) - 1 and moving < options.jumps.patience:
@@ -71,7 +71,7 @@ def find_jumps(frames: Frames, order: Sequence[int], options: TrackerOptions) ->
             at = after
 
 
-def _told(frames: Frames, order: Sequence[int], options: ScanOdometryOptions) -> bool:
+def _sensor_moves(frames: Frames, order: Sequence[int], options: ScanOdometryOptions) -> bool:
     poses = [recorded_pose(frames(order[at]), options=options) for at in (0, len(order) // 2, -1)]
     known = [pose for pose in poses if pose is not None]
     return any(np.abs(pose - known[0]).max() > options.rest_pose for pose in known)
@@ -280,8 +280,8 @@ class AcrossJumps:
         seeds = [Seed(n, points) for n, points in last.assignments.items() if len(points)]
         if not seeds:
             return FrameResult(after, {}, {})
-        asked = replace(options, before=(), continue_lost=True, sensor=KnownSensor())
-        _, found = self.step.track(moved, [before, after], seeds, known, asked)
+        track_options = replace(options, before=(), continue_lost=True, sensor=KnownSensor())
+        _, found = self.step.track(moved, [before, after], seeds, known, track_options)
         tracks = {}
         for label, track in found.tracks.items():
             if label in found.assignments and len(found.assignments[label]):

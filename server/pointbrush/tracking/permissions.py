@@ -27,10 +27,10 @@ FEWEST = 10
 class FrameRules:
     """The rules of one frame of ``count`` points; ``taken`` grows as labels are assigned."""
 
-    def __init__(self, count: int, knowledge: FrameKnowledge | None, asked: TrackOptions) -> None:
+    def __init__(self, count: int, knowledge: FrameKnowledge | None, options: TrackOptions) -> None:
         self.count = count
         self._knowledge = knowledge
-        self._options = asked
+        self._options = options
         self._taken = np.zeros(count, np.bool_)
 
     @property
@@ -85,15 +85,15 @@ class FrameRules:
 
 
 def keyframes(
-    order: Iterable[int], labels: Iterable[int], known: Known, asked: TrackOptions
+    order: Iterable[int], labels: Iterable[int], known: Known, options: TrackOptions
 ) -> dict[int, list[int]]:
     """Return by label the positions in ``order``, except 0, of frames where a person painted it."""
     found: dict[int, list[int]] = {label: [] for label in labels}
     for position, number in enumerate(order):
-        if not position or (asked.painted is not None and number not in asked.painted):
+        if not position or (options.painted is not None and number not in options.painted):
             continue
         know = known(number)
-        if know is None or asked.overwrite == "all":
+        if know is None or options.overwrite == "all":
             continue
         painted = know.label[(know.provenance == PAINTED) & ~know.deleted]
         counts = np.bincount(painted, minlength=1) if len(painted) else np.zeros(1, np.int64)
@@ -114,13 +114,13 @@ class Companions:
         ``beginning`` has the seeds of the nearest other labels there.
         """
         self._options = options
-        self._asked = frozenset(seed.label for seed in seeds)
+        self._requested = frozenset(seed.label for seed in seeds)
         self._size = options.larger * max(_size(xyz[seed.indices]) for seed in seeds)
         theirs = np.concatenate([seed.indices for seed in seeds])
         others = [Seed(n, np.setdiff1d(p, theirs)) for n, p in self._others(rules).items()]
         fitting = [seed for seed in others if self._fits(seed.indices, xyz)]
-        away = [_distance(xyz[seed.indices], xyz[theirs]) for seed in fitting]
-        self.beginning = [fitting[i] for i in np.argsort(away, kind="stable")[: options.most]]
+        distance = [_distance(xyz[seed.indices], xyz[theirs]) for seed in fitting]
+        self.beginning = [fitting[i] for i in np.argsort(distance, kind="stable")[: options.most]]
 
     def known(self, rules: FrameRules, xyz: F32, followed: Collection[int]) -> dict[int, I64]:
         """Return by label the certain points of companions in a frame.
@@ -129,7 +129,7 @@ class Companions:
         yet, only painted ones are added.
         """
         known = {}
-        room = self._options.most - len(set(followed) - self._asked)
+        room = self._options.most - len(set(followed) - self._requested)
         for n, points in self._others(rules).items():
             painted = rules.keyframe(n) is not None
             if n in followed:
@@ -149,12 +149,12 @@ class Companions:
         """Return a result with only the requested labels."""
         return replace(
             result,
-            assignments={n: p for n, p in result.assignments.items() if n in self._asked},
-            tracks={n: track for n, track in result.tracks.items() if n in self._asked},
+            assignments={n: p for n, p in result.assignments.items() if n in self._requested},
+            tracks={n: track for n, track in result.tracks.items() if n in self._requested},
         )
 
     def _others(self, rules: FrameRules) -> dict[int, I64]:
-        return {n: points for n, points in rules.labelled().items() if n not in self._asked}
+        return {n: points for n, points in rules.labelled().items() if n not in self._requested}
 
     def _fits(self, points: I64, xyz: F32) -> bool:
         return len(points) >= FEWEST and _size(xyz[points]) <= self._size

@@ -86,8 +86,8 @@ class AutoTracker:
             back = {n: inverse(state.pose) for n, state in first.tracks.items()}
             first = replace(first, assignments={})
             for result in chain([first], run.through(order[1:])):
-                asked = run.companions.without(result)
-                yield run.scene.since(asked, back, order[0])
+                requested = run.companions.without(result)
+                yield run.scene.since(requested, back, order[0])
 
 
 class Run:
@@ -99,22 +99,22 @@ class Run:
         order: list[int],
         seeds: list[Seed],
         known: Known,
-        asked: TrackOptions,
+        track_options: TrackOptions,
         method: AutoTracker | None = None,
     ) -> None:
         """``seeds``: labels in the first frame of ``order``."""
         method = method or AutoTracker()
         self.options = method.options
         self._watch, self._near = method.watch, method.options.companions
-        self.known, self.asked, self.labels = known, asked, [s.label for s in seeds]
+        self.known, self.track_options, self.labels = known, track_options, [s.label for s in seeds]
         self.swaps = Swaps(self.options.identity)
         self.tracks: dict[int, Track] = {}
         self.astray: dict[int, int] = {}
         self.aside: frozenset[int] = frozenset()
         """Labels not tracked in the last frame, as their points there were stored."""
-        self.people = JointTracking(self.tracks, self.options, asked)
+        self.people = JointTracking(self.tracks, self.options, track_options)
         first = frames(order[0]).xyz
-        rules = FrameRules(len(first), known(order[0]), asked)
+        rules = FrameRules(len(first), known(order[0]), track_options)
         self.companions = Companions(seeds, rules, first, self._near)
         labelled = [*seeds, *self.companions.beginning]
         painted = np.concatenate([_EMPTY, *(seed.indices for seed in labelled)])
@@ -124,8 +124,8 @@ class Run:
             self._reach,
             painted,
             options=self.options,
-            known=asked.sensor,
-            ahead=asked.read_ahead,
+            known=track_options.sensor,
+            ahead=track_options.read_ahead,
         )
 
     @property
@@ -162,12 +162,12 @@ class Run:
     def recall(self, seeds: Sequence[Seed]) -> None:
         """Process the frames before the start, from the labels in the first of them."""
         self.start([seed for seed in seeds if len(seed.indices) >= FEWEST])
-        for number in self.asked.before[1:]:
+        for number in self.track_options.before[1:]:
             self.step(number)
 
     def through(self, order: Sequence[int]) -> Iterator[FrameResult]:
         """Yield the results of the following frames, smoothed with a fixed lag."""
-        smoother = Smoother(self.asked, self.options.smoothing)
+        smoother = Smoother(self.track_options, self.options.smoothing)
         for number in order:
             new = self.step(number)
             smoother.relabel(self.people.recognised())
@@ -188,7 +188,7 @@ class Run:
         """Read a frame, and determine its known and free points."""
         view = self.scene.view(number)
         view.people = self.people.labels
-        rules = FrameRules(len(view.xyz), self.known(number), self.asked)
+        rules = FrameRules(len(view.xyz), self.known(number), self.track_options)
         fixed = {n: k for n in self.tracks if (k := rules.keyframe(n)) is not None}
         fixed |= self.companions.known(rules, view.xyz, self.tracks)
         fixed |= given
@@ -240,7 +240,7 @@ class Run:
             if not (track.lost or n in claims.emerged):
                 found, given = associated.associations.found.get(n), claims.labelled.get(n)
                 cap = associated.caps.get(n, 1.0)
-                outcomes[n] = settle(track, frame.view, found, given, self.asked, cap)
+                outcomes[n] = settle(track, frame.view, found, given, self.track_options, cap)
         left = frame.free.copy()
         for points in chain((each.points for each in outcomes.values()), claims.emerged.values()):
             left[points] = False
@@ -292,8 +292,8 @@ class Run:
         """
         aside: dict[int, I64] = {}
         stored = self.companions.stored(rules, view.xyz)
-        asked = [self.tracks[n] for n in self.labels if n in self.tracks] if stored else []
-        regions = [self._region(track) for track in asked]
+        requested = [self.tracks[n] for n in self.labels if n in self.tracks] if stored else []
+        regions = [self._region(track) for track in requested]
         for label, points in stored.items():
             if label in fixed or label in self.people:
                 continue
@@ -376,8 +376,8 @@ def _meets(some: F64, expected: F64, margin: float) -> bool:
     some = some[within(some, lo, hi)]
     if not len(some):
         return False
-    away = ((some[:, None] - expected) ** 2).sum(axis=2)
-    return bool(away.min() <= margin**2)
+    square = ((some[:, None] - expected) ** 2).sum(axis=2)
+    return bool(square.min() <= margin**2)
 
 
 _EMPTY: I64 = np.empty(0, np.int64)

@@ -313,9 +313,9 @@ def pairs(xyz: F64, most: float) -> I64:
     steps, start = int(most / grid.size) + 1, grid.start
     for row in range(grid.along):
         for column in range(grid.across):
-            here = row * grid.across + column
+            cell = row * grid.across + column
             low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
-            for one in range(start[here], start[here + 1]):
+            for one in range(start[cell], start[cell + 1]):
                 # Each pair occurs once, at its first point in sorted order.
                 for other_row in range(row, min(row + steps, grid.along - 1) + 1):
                     first = max(start[other_row * grid.across + low], one + 1)

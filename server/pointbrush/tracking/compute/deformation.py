@@ -78,16 +78,16 @@ def _nearest_nodes(surface: F64, nodes: F64, count: int) -> tuple[I64, F64]:
     link, square = np.zeros((len(surface), count), np.int64), np.full((len(surface), count), np.inf)
     for i in range(len(surface)):
         for node in range(len(nodes)):
-            away = 0.0
+            distance = 0.0
             for a in range(3):
-                away += (nodes[node, a] - surface[i, a]) ** 2
-            if away >= square[i, count - 1]:
+                distance += (nodes[node, a] - surface[i, a]) ** 2
+            if distance >= square[i, count - 1]:
                 continue
             at = count - 1
-            while at > 0 and away < square[i, at - 1]:
+            while at > 0 and distance < square[i, at - 1]:
                 square[i, at], link[i, at] = square[i, at - 1], link[i, at - 1]
                 at -= 1
-            square[i, at], link[i, at] = away, node
+            square[i, at], link[i, at] = distance, node
     return link, square
 
 

@@ -38,10 +38,10 @@ def paths_into(links: I64, length: F64, sought: Mask) -> Paths:
     end, far = np.empty(start[-1], np.int64), np.empty(start[-1])
     for k in range(len(links)):
         for side in range(2):
-            here, there = links[k, side], links[k, 1 - side]
-            if sought[there]:
-                end[free[here]], far[free[here]] = there, length[k]
-                free[here] += 1
+            source, target = links[k, side], links[k, 1 - side]
+            if sought[target]:
+                end[free[source]], far[free[source]] = target, length[k]
+                free[source] += 1
     return Paths(start, end, far)
 
 
@@ -58,10 +58,10 @@ def paths_over(links: I64, length: F64, leads: Mask) -> Paths:
     end, far = np.empty(start[-1], np.int64), np.empty(start[-1])
     for k in range(len(links)):
         for side in range(2):
-            here = links[k, side]
-            if leads[here]:
-                end[free[here]], far[free[here]] = links[k, 1 - side], length[k]
-                free[here] += 1
+            node = links[k, side]
+            if leads[node]:
+                end[free[node]], far[free[node]] = links[k, 1 - side], length[k]
+                free[node] += 1
     return Paths(start, end, far)
 
 
@@ -78,14 +78,14 @@ def shortest_paths(ways: Paths, source: I64, allowed: Mask) -> tuple[F64, I64]:
         way[cell], origin[cell], open_[cell] = 0.0, cell, True
         heap.append((0.0, cell))
     while heap:
-        length, here = heappop(heap)
-        if length > way[here]:
+        length, node = heappop(heap)
+        if length > way[node]:
             continue
-        for k in range(ways.start[here], ways.start[here + 1]):
-            there, far = ways.end[k], length + ways.length[k]
-            if open_[there] and far < way[there]:
-                way[there], origin[there] = far, origin[here]
-                heappush(heap, (far, there))
+        for k in range(ways.start[node], ways.start[node + 1]):
+            neighbour, far = ways.end[k], length + ways.length[k]
+            if open_[neighbour] and far < way[neighbour]:
+                way[neighbour], origin[neighbour] = far, origin[node]
+                heappush(heap, (far, neighbour))
     return way, origin
 
 
@@ -161,14 +161,14 @@ def agreed(
     """
     count, many = cost.shape
     share, now = np.empty((count, many)), np.empty(many)
-    asked, moved = np.zeros(count, np.int64), np.zeros(count, np.int64)
+    updated, changed = np.zeros(count, np.int64), np.zeros(count, np.int64)
     for i in range(count):
         _normalised(-cost[i], share[i])
     for sweep in range(sweeps):
         change = 0.0
         for turn in range(count):
             i = turn if sweep % 2 == 0 else count - 1 - turn
-            if sweep > 0 and _newest(links, i, moved) < asked[i]:
+            if sweep > 0 and _newest(links, i, changed) < updated[i]:
                 continue
             total = _sum_neighbours(links, i, share, now)
             scale = (
@@ -177,14 +177,14 @@ def agreed(
             for k in range(many):
                 now[k] = scale * now[k] - cost[i, k]
             _normalised(now, now)
-            away = 0.0
+            difference = 0.0
             for k in range(many):
-                away = max(away, abs(now[k] - share[i, k]))
+                difference = max(difference, abs(now[k] - share[i, k]))
                 share[i, k] = now[k]
-            change = max(change, away)
-            asked[i] = sweep * count + turn + 1
-            if away > same_change:
-                moved[i] = asked[i]
+            change = max(change, difference)
+            updated[i] = sweep * count + turn + 1
+            if difference > same_change:
+                changed[i] = updated[i]
         if change < settled_change:
             break
     return share

@@ -267,9 +267,9 @@ def _motion(source: F64, target: F64, weight: F64, fewest: int) -> F64:
         H = np.zeros((3, 3))
         for i in range(count):
             for a in range(3):
-                away = weight[i] * (source[i, a] - middle_s[a])
+                offset = weight[i] * (source[i, a] - middle_s[a])
                 for c in range(3):
-                    H[a, c] += away * (target[i, c] - middle_t[c])
+                    H[a, c] += offset * (target[i, c] - middle_t[c])
         U, _, Vt = np.linalg.svd(H)
         R = np.ascontiguousarray((U @ Vt).T)
         if np.linalg.det(R) < 0.0:
@@ -303,8 +303,8 @@ def _beside(moved: F64, xyz: F64, near: float, on: float) -> F64:
         lo, hi = bounds(surface.xyz)
         for i in range(len(xyz)):
             x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-            away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-            if away >= near:
+            gap = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+            if gap >= near:
                 continue
             if any_near(surface, (x, y, z), none, on):
                 inside += 1

@@ -54,7 +54,7 @@ class ColourHistogram:
         options = self.options
         alone = self.common > options.common_share
         for other in others:
-            alone &= self.common > options.rather_ratio * other.common
+            alone &= self.common > options.own_colour_ratio * other.common
         return replace(self, alone=alone)
 
     def commoner_than(self, colour: F32, size: float) -> ColourHistogram:
@@ -79,7 +79,7 @@ class ColourHistogram:
         """Return whether the colours (M, 3) are much rarer here than its own usually are."""
         return self.likeness(colour) < self.usual - self.options.rarer_log
 
-    def rather(self, colour: F32) -> Mask:
+    def overrepresented(self, colour: F32) -> Mask:
         """Mark the colours (M, 3) far commoner in the histogram than among themselves."""
         options = self.options
         at = _at(colour)
@@ -87,7 +87,7 @@ class ColourHistogram:
         number = numbered(cell)
         return np.asarray(
             self.common[_flat(at)]
-            > options.rather_ratio * np.bincount(number)[number] / len(colour)
+            > options.own_colour_ratio * np.bincount(number)[number] / len(colour)
         )
 
     def only(self, colour: F32) -> Mask:

@@ -85,8 +85,8 @@ class Motion:
     @property
     def even(self) -> F64:
         """(3,) predicted position of the centre if its last step is repeated."""
-        here = self._at(-1)
-        return here if len(self.poses) < 2 else here + self.gap * (here - self._at(-2))
+        place = self._at(-1)
+        return place if len(self.poses) < 2 else place + self.gap * (place - self._at(-2))
 
     def slow(self, unit: float) -> bool:
         """Return whether it is nearly at rest, so that it may not take another object's place."""
@@ -109,11 +109,11 @@ class Motion:
     @cached_property
     def predictions(self) -> F64:
         """(K, 4, 4) candidates, most likely first: constant and changing motion, and at rest."""
-        last, here = self.poses[-1], self._at(-1)
+        last, place = self.poses[-1], self._at(-1)
         if len(self.poses) < 2:
             return last[None]
         spin = last[:3, :3] @ self.poses[-2][:3, :3].T
-        velocity = here - self._at(-2)
+        velocity = place - self._at(-2)
         turned, step = last[:3, :3], np.zeros(3)
         gain = np.zeros(3)
         if len(self.poses) > 2:
@@ -126,10 +126,10 @@ class Motion:
             falling = falling + gain
             even = even + falling
         turned, kept = _orthogonal(np.stack([turned, last[:3, :3]]))
-        result = [self._pose(turned, here + step)]
-        result += [self._pose(kept, here + step), self._pose(kept, here)]
+        result = [self._pose(turned, place + step)]
+        result += [self._pose(kept, place + step), self._pose(kept, place)]
         if len(self.poses) > 2:
-            result = [self._swung(turned), self._pose(turned, here + even), *result]
+            result = [self._swung(turned), self._pose(turned, place + even), *result]
         if self.rested is not None:
             result.append(self.rested)
         return np.stack(result)

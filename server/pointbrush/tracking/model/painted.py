@@ -21,21 +21,21 @@ def cut_off_by_edge(view: View, indices: I64, radius: float) -> tuple[bool, bool
     options = view.options.track
     if view.lens is None:
         return False, False
-    others, away, touch = ~view.labelled(), np.inf, 0.0
+    others, gaps, touch = ~view.labelled(), np.inf, 0.0
     row, column = np.divmod(view.cells.cell, view.lens.shape[1])
     for at, along in ((row, column), (column, row)):
         for side in (at, -at):
             if others.any() and side[others].min() < side.min() + options.edge_px:
                 gap = side[indices] - side.min()
-                away = np.minimum(away, gap)
+                gaps = np.minimum(gaps, gap)
                 contact = np.unique(along[indices][gap < options.edge_px])
                 touch = max(touch, len(contact) / (np.ptp(along[indices]) + 1))
     wide = touch > options.contact_share
-    cut = (wide and radius > options.cut_m) or np.mean(away < options.edge_px) > options.edge_share
+    cut = (wide and radius > options.cut_m) or np.mean(gaps < options.edge_px) > options.edge_share
     return bool(cut), wide
 
 
-def away_from(view: View, xyz: F64) -> float:
+def sensor_distance(view: View, xyz: F64) -> float:
     """Return the distance (m) of points (M, 3) from the sensor; 0 if its position is unknown."""
     return 0.0 if view.eye is None else float(np.linalg.norm(xyz.mean(axis=0) - view.eye))
 
@@ -78,9 +78,9 @@ def uneven(xyz: F64, options: ObjectOptions) -> float:
     """Return the median distance of points (M, 3) from the plane through them."""
     if len(xyz) < options.ring_neighbours:
         return np.inf
-    away = xyz - xyz.mean(axis=0)
-    normal = np.linalg.eigh(away.T @ away)[1][:, 0]
-    return float(np.median(np.abs(away @ normal)))
+    offset = xyz - xyz.mean(axis=0)
+    normal = np.linalg.eigh(offset.T @ offset)[1][:, 0]
+    return float(np.median(np.abs(offset @ normal)))
 
 
 def colourless(view: View, indices: I64) -> bool:
@@ -120,7 +120,7 @@ class Painted:
             sheet=uneven(xyz, options=options) < options.sheet_radii * radius,
             broad=radius > options.part_m
             and across_way(xyz) > options.broad_m
-            and away_from(view, xyz) > options.afar_m,
+            and sensor_distance(view, xyz) > options.afar_m,
             cut=cut,
             entering=entering,
         )

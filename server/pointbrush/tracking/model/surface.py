@@ -66,8 +66,8 @@ class Model:
     def radius(self) -> float:
         """Metres from the centre that hold nearly all points."""
         if self._radius is None:
-            away = self.xyz - self.centre
-            square = np.einsum("ij,ij->i", away, away)
+            offset = self.xyz - self.centre
+            square = np.einsum("ij,ij->i", offset, offset)
             most = int(self.options.radius_share * (len(square) - 1))
             self._radius = float(np.sqrt(np.partition(square, most)[most]))
         return self._radius

@@ -46,7 +46,7 @@ class OtherMovers:
         """The points as a search target."""
         return Target(self.xyz, self.colour, self.weight)
 
-    def asked(self, xyz: NDArray[np.floating]) -> Mask:
+    def in_searched_box(self, xyz: NDArray[np.floating]) -> Mask:
         """Mark the positions (M, 3) inside the searched box; outside, nothing is known."""
         return np.ones(len(xyz), np.bool_) if self.box is None else within(xyz, *self.box)
 
@@ -72,13 +72,13 @@ class Sampling:
     """Sampling of an object by its sensor.
 
     ``imaged``: the sensor has depth images; ``scanned``: it is a lidar; ``grain``: metres between
-    points of the object at a distance of ``away`` metres, which is 0 if unknown.
+    points of the object at a distance of ``distance`` metres, which is 0 if unknown.
     """
 
     imaged: bool
     scanned: bool
     grain: float
-    away: float = 0.0
+    distance: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +109,10 @@ class LastObservation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """Person ``label`` that carries an object, and its offset ``away`` (2,) on the ground in m."""
+    """Person ``label`` that carries an object, and its ``offset`` (2,) on the ground in m."""
 
     label: int
-    away: F64
+    offset: F64
 
 
 @dataclass(eq=False)
@@ -186,10 +186,10 @@ class Track:
         return np.asarray(self.appearance.each(colour) - worn)
 
     @property
-    def away(self) -> bool:
+    def has_left_start(self) -> bool:
         """Whether the object has left its painted place."""
-        went = np.linalg.norm(self.motion.place - self.motion.centre)
-        return bool(went > self.model.radius)
+        distance = np.linalg.norm(self.motion.place - self.motion.centre)
+        return bool(distance > self.model.radius)
 
     @property
     def bends(self) -> bool:
@@ -209,20 +209,24 @@ class Track:
         """Whether its surface does not deform."""
         return not (self.bends or self.soft or self.large)
 
-    def come_to(self, away: float) -> None:
+    def set_distance(self, distance: float) -> None:
         """Set the distance from the sensor: a nearer object has more points, more densely."""
         options = self.options.track
         grain = self.sampling.grain
-        if self.sampling.away > 0.0 and away > 0.0:
+        if self.sampling.distance > 0.0 and distance > 0.0:
             closer = float(
-                np.clip(self.sampling.away / away, 1 / options.max_approach, options.max_approach)
+                np.clip(
+                    self.sampling.distance / distance,
+                    1 / options.max_approach,
+                    options.max_approach,
+                )
             )
             self.size *= closer**2
             grain /= closer
             unit = max(grain, options.min_unit_spacings * self.model.spacing)
             self.weight *= unit / self.unit
             self.unit = unit
-        self.sampling = replace(self.sampling, grain=grain, away=away)
+        self.sampling = replace(self.sampling, grain=grain, distance=distance)
 
     @property
     def scanned(self) -> bool:

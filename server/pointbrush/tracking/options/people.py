@@ -148,7 +148,7 @@ class ArrivalOptions(Options):
     stature_weight: float = 0.25  # weight of stature against the distance
     unlabelled_cost: float = 0.5  # cost of a body that was tracked without a label
     # Log ratio of clothes from which a body is certainly not the other's.
-    told_log_clothes: float = 0.3
+    decisive_log_clothes: float = 0.3
     # Metres along the ground about a person within which new surface is theirs.
     around_m: float = 0.6
     joined_m: float = 0.3  # metres between unlabelled bodies that come together

@@ -21,7 +21,7 @@ class LensOptions(Options):
         1.25  # depth over the nearest of a pixel that the sensor cannot see
     )
     behind_share: float = 0.02  # share of such points up to which the sensor is there
-    behind_share_told: float = 0.1  # the same, for a recorded position
+    behind_share_recorded: float = 0.1  # the same, for a recorded position
     filled_share: float = 0.5  # share of the pixels that a depth image fills at least
     filled_share_sought: float = 0.3  # the same, of an image from an estimated position
     torn_depth: float = 0.03  # share of its depth by which a pixel is off the next at an edge
@@ -157,7 +157,7 @@ class ScanOdometryOptions(Options):
     plane_neighbours: int = 10  # neighbours that a plane is fitted to
     min_points: int = 500  # minimum points of a frame for planes
     min_planes: int = 10  # neighbourhoods likewise
-    asked_per_plane: PositiveInt = 6  # places asked for one that may be registered
+    candidates_per_plane: PositiveInt = 6  # candidates for each registered place
     plane_flatness: float = 0.05  # share of the variance across a plane at most
     plane_breadth: float = 0.08  # share of the variance along its shorter side at least
     planes: PositiveInt = 1500  # planes that are registered
@@ -179,7 +179,7 @@ class ScanOdometryOptions(Options):
         0.3,
     )
     # Frames after the first in which a sensor's motion is tested.
-    asked_frames: tuple[int, int, int] = (1, 4, 12)
+    tested_frames: tuple[int, int, int] = (1, 4, 12)
     examined_frames: int = 12  # frames, across a recording, that have to show its sensor at rest
     moved_cells: float = 0.25  # cells by which the scene is displaced, at the median, if it moved
     rest_pose: float = 0.0001  # metres and radians between the recorded poses of a sensor at rest

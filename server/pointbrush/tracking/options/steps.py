@@ -334,7 +334,7 @@ class UpdateOptions(Options):
     scrap_share: float = 0.05  # share of a large object's size that tells no motion
     # Without: boxes -.046.
     hiding_log_colour: float = 0.6  # mean log ratio of colours of an occluding object
-    well_seen_share: float = 0.5  # share of size and facing surface of a small object well seen
+    clear_share: float = 0.5  # share of size and facing surface of a clearly visible object
     # Confidence up to which an object found elsewhere may be another.
     astray_confidence: float = 0.45
     astray_radii: float = 0.5  # radii from all predictions from which that is so

@@ -116,7 +116,7 @@ class AppearanceOptions(Options):
 
     signed: ClassVar[frozenset[str]] = frozenset({"strange_share"})
     # Without colours of its own: boxes -.084.
-    rather_ratio: float = 10.0  # ratio of shares from which a colour is the track's own
+    own_colour_ratio: float = 10.0  # ratio of shares from which a colour is the track's own
     coarse_bins: PositiveInt = 3  # bins, each way, of the cells of a histogram of few colours
     alike_share: float = 0.7  # share of colours that it showed from which a surface may be its
     common_share: float = 0.02  # share of colours from which they are common

@@ -33,23 +33,25 @@ def exchanged(
         if not named or not all(g.named or _may_have_taken(f, g) for f, g in named):
             continue
         cross = [f.likeness(some[g.label]) for f, g in named]
-        rather = min(np.subtract(cross, [f.likeness(some[f.label]) for f, _ in named]))
-        taller = (
+        clothes_log_ratio = min(np.subtract(cross, [f.likeness(some[f.label]) for f, _ in named]))
+        stature_log_odds = (
             ratio(tops[one.label], other.identity.stature, one.identity.stature),
             ratio(tops[other.label], one.identity.stature, other.identity.stature),
         )
-        dressed = (
-            rather > options.arrivals.exchange_log
-            and sum(taller) > -options.stature.decisive_log_odds
+        by_clothes = (
+            clothes_log_ratio > options.arrivals.exchange_log
+            and sum(stature_log_odds) > -options.stature.decisive_log_odds
         )
-        tall = (
-            sum(taller) >= options.stature.decisive_log_odds
-            and min(taller) > 0
-            and rather > -options.arrivals.exchange_log
+        by_stature = (
+            sum(stature_log_odds) >= options.stature.decisive_log_odds
+            and min(stature_log_odds) > 0
+            and clothes_log_ratio > -options.arrivals.exchange_log
         )
-        certain = tall and min(taller) >= options.stature.decisive_log_odds
-        well = not (one.elsewhere(observation, now) or other.elsewhere(observation, now))
-        if min(cross) > -options.body.clearly_log and (certain or (well and (dressed or tall))):
+        certain = by_stature and min(stature_log_odds) >= options.stature.decisive_log_odds
+        both_visible = not (one.elsewhere(observation, now) or other.elsewhere(observation, now))
+        if min(cross) > -options.body.clearly_log and (
+            certain or (both_visible and (by_clothes or by_stature))
+        ):
             yield one, other, certain
 
 
@@ -63,18 +65,22 @@ def exchange(observation: PersonObservation, people: Sequence[Person], now: int)
     pairs = list(exchanged(observation, people, now))
     for person in people:
         if not any(person in pair[:2] for pair in pairs):
-            person.mistaken = 0
+            person.exchanged_frames = 0
     for one, other, certain in pairs:
-        one.mistaken, other.mistaken = one.mistaken + 1, other.mistaken + 1
+        one.exchanged_frames, other.exchanged_frames = (
+            one.exchanged_frames + 1,
+            other.exchanged_frames + 1,
+        )
         if one.named and other.named:
             one.doubt(other)
         if (
             certain
-            or min(one.mistaken, other.mistaken) >= observation.options.arrivals.exchange_frames
+            or min(one.exchanged_frames, other.exchanged_frames)
+            >= observation.options.arrivals.exchange_frames
         ):
             mine, others = observation.owner == one.label, observation.owner == other.label
             observation.owner[mine], observation.owner[others] = other.label, one.label
-            one.become(other)
+            one.exchange_identity(other)
             for stranger in (f for f in (one, other) if not f.named):
                 stranger.since = now
 
@@ -84,7 +90,7 @@ Offer = tuple[I64, Person | None, I64 | None]
 heads."""
 
 
-def come_back(
+def return_missing_people(
     observation: PersonObservation, people: Sequence[Person], usual: float, now: int
 ) -> set[int]:
     """Assign bodies without a labelled owner to missing people, the most likely first.
@@ -131,7 +137,7 @@ def _ranked(
                 cost = _cost(observation, person, cells, other, now)
             if cost is not None:
                 if other is not None and rest is not None:
-                    cost += _rather(observation, other, cells, rest)
+                    cost += _rest_cost_margin(observation, other, cells, rest)
                 ranked.append((cost, person.label, number))
     return sorted(ranked)
 
@@ -161,7 +167,7 @@ def _may_be(person: Person, other: Person | None) -> bool:
     """
     if other is None or other.named:
         return other is not person
-    return other.since > person.well
+    return other.since > person.last_clear
 
 
 def _may_return(
@@ -191,9 +197,9 @@ def _return_odds(
     """
     options, tops = observation.options.arrivals, newcomer.identity.stature.tops
     seconds = (newcomer.since - (now - 1 - person.frames_unseen)) / observation.fps
-    entered = np.median(newcomer.xyz, axis=0) - newcomer.went
-    away = float(np.linalg.norm((entered - np.median(person.known, axis=0)) @ observation.flat))
-    soon = np.exp(-seconds / options.return_seconds - 0.5 * (away / options.return_m) ** 2)
+    entered = np.median(newcomer.xyz, axis=0) - newcomer.displacement
+    distance = float(np.linalg.norm((entered - np.median(person.known, axis=0)) @ observation.flat))
+    soon = np.exp(-seconds / options.return_seconds - 0.5 * (distance / options.return_m) ** 2)
     odds = options.return_soon_log * soon - options.return_log_odds
     if tops:
         odds += person.identity.stature.likelihood(float(np.median(tops)))
@@ -229,7 +235,7 @@ def _offers(
         if not person.named and not person.frames_unseen and len(cells):
             offers.append((cells, person, None))
     if observation.tints is not None:
-        for person in (f for f in gone if f.well < now - options.missing_frames):
+        for person in (f for f in gone if f.last_clear < now - options.missing_frames):
             offers += _dressed_as(observation, people, person, usual)
     for person in (f for f in people if f.named):
         least = max(options.back_min_cells, options.part_share * usual)
@@ -238,16 +244,18 @@ def _offers(
     return offers
 
 
-def _rather(observation: PersonObservation, person: Person, cells: I64, rest: I64) -> float:
+def _rest_cost_margin(
+    observation: PersonObservation, person: Person, cells: I64, rest: I64
+) -> float:
     """Return the cost of the ``rest`` of a person's cells to be theirs, minus that of ``cells``."""
     middle = np.median((person.xyz + person.step) @ observation.flat, axis=0)
 
     def cost(own: I64) -> float:
-        away = float(np.linalg.norm(np.median(observation.ground[own], axis=0) - middle))
+        distance = float(np.linalg.norm(np.median(observation.ground[own], axis=0) - middle))
         return (
-            away
+            distance
             - observation.options.arrivals.clothes_weight * person.likeness(observation.some(own))
-            - _tall(observation, person, own)
+            - _stature_gain(observation, person, own)
         )
 
     return cost(rest) - cost(cells)
@@ -287,19 +295,22 @@ def _cost(
     None: it cannot be theirs.
     """
     options = observation.options
-    away = far_from(observation, person, cells, now)
+    distance = relative_distance(observation, person, cells, now)
     like = person.likeness(observation.some(cells))
-    if away > 1.0 or like < -options.body.unlike_log:
+    if distance > 1.0 or like < -options.body.unlike_log:
         return None
     nameless = (
         options.arrivals.unlabelled_cost if observation.tints is None and other is not None else 0.0
     )
     return (
-        away - options.arrivals.clothes_weight * like - _tall(observation, person, cells) + nameless
+        distance
+        - options.arrivals.clothes_weight * like
+        - _stature_gain(observation, person, cells)
+        + nameless
     )
 
 
-def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
+def _stature_gain(observation: PersonObservation, person: Person, cells: I64) -> float:
     """Return the reduction of the cost of some cells by a person's stature."""
     top = top_of(observation, cells, person.area) if person.identity.stature.known else None
     if top is None:
@@ -307,17 +318,19 @@ def _tall(observation: PersonObservation, person: Person, cells: I64) -> float:
     return observation.options.arrivals.stature_weight * person.identity.stature.likelihood(top)
 
 
-def far_from(observation: PersonObservation, person: Person, cells: I64, now: int) -> float:
+def relative_distance(
+    observation: PersonObservation, person: Person, cells: I64, now: int
+) -> float:
     """Return the distance of a body over the maximum distance a missing person may have moved."""
     options = observation.options.arrivals
     there = np.vstack([person.xyz + person.step, person.known])
     reach = options.back_m + options.back_m_per_frame * min(
-        max(now - 1 - person.well, 0), options.back_max_frames
+        max(now - 1 - person.last_clear, 0), options.back_max_frames
     )
     return _least(there, observation.cells.middle[cells]) / reach
 
 
-def mistakable(
+def confusable_people(
     observation: PersonObservation, people: Sequence[Person], person: Person, now: int
 ) -> list[Person]:
     """Return missing people near a person's cells that may have these cells instead."""
@@ -328,7 +341,7 @@ def mistakable(
     some = observation.some(cells) if missing else None
     top = person.top(observation) if missing else None
     missing = [f for f in missing if not rules_out(some, top, person, f)]
-    return [f for f in missing if far_from(observation, f, cells, now) < 1.0]
+    return [f for f in missing if relative_distance(observation, f, cells, now) < 1.0]
 
 
 def rules_out(some: F32 | None, top: float | None, person: Person, other: Person) -> bool:
@@ -338,10 +351,14 @@ def rules_out(some: F32 | None, top: float | None, person: Person, other: Person
     """
     options = person.options
     like = 0.0 if some is None else person.likeness(some) - other.likeness(some)
-    tall = ratio(top, person.identity.stature, other.identity.stature)
+    stature_log_odds = ratio(top, person.identity.stature, other.identity.stature)
     return (
-        like >= options.arrivals.told_log_clothes and tall > -options.stature.decisive_log_odds
-    ) or (tall >= options.stature.decisive_log_odds and like > -options.arrivals.told_log_clothes)
+        like >= options.arrivals.decisive_log_clothes
+        and stature_log_odds > -options.stature.decisive_log_odds
+    ) or (
+        stature_log_odds >= options.stature.decisive_log_odds
+        and like > -options.arrivals.decisive_log_clothes
+    )
 
 
 def newcomers(
@@ -359,7 +376,7 @@ def newcomers(
     count = np.bincount(bodies[free], minlength=len(total))
     for number in np.flatnonzero((count > 0) & (count >= least)).tolist():
         cells = np.flatnonzero((bodies == number) & free)
-        owner = _whose(observation, middles, cells)
+        owner = _surrounding_person(observation, middles, cells)
         if owner is None and len(cells) >= max(
             options.arrivals.min_cells, options.arrivals.min_share * usual
         ):
@@ -373,7 +390,7 @@ def newcomers(
                     else ColourHistogram.of(some, observation.options.appearance)
                 )
                 middle, colour = observation.cells.middle[cells], observation.cells.colour[cells]
-                fresh.append(Person.met(options, owner, middle, colour, now, appearance))
+                fresh.append(Person.first_seen(options, owner, middle, colour, now, appearance))
         observation.owner[cells] = owner or 0
     return fresh
 
@@ -391,16 +408,16 @@ def _middles(observation: PersonObservation, people: Sequence[Person]) -> list[t
     return found
 
 
-def _whose(
+def _surrounding_person(
     observation: PersonObservation, middles: Sequence[tuple[Person, F64]], cells: I64
 ) -> int | None:
     """Return the label of the visible person around a body, unless the clothes differ."""
     options = observation.options
     middle = np.median(observation.ground[cells], axis=0)
     near = [(float(np.linalg.norm(at - middle)), k) for k, (_, at) in enumerate(middles)]
-    away, best = min(near, default=(options.arrivals.around_m, 0))
+    distance, best = min(near, default=(options.arrivals.around_m, 0))
     if (
-        away >= options.arrivals.around_m
+        distance >= options.arrivals.around_m
         or middles[best][0].likeness(observation.some(cells)) < -options.body.unlike_log
     ):
         return None
@@ -424,7 +441,9 @@ def merge(observation: PersonObservation, people: Sequence[Person], now: int) ->
     """Return the numbers of new unlabelled people that are parts of a just returned person."""
     options = observation.options.arrivals
     gone: set[int] = set()
-    returned = [f for f in people if f.named and f.age and now - f.back <= options.recent_frames]
+    returned = [
+        f for f in people if f.named and f.age and now - f.reappearance <= options.recent_frames
+    ]
     for person in people:
         cells = np.flatnonzero(observation.owner == person.label)
         if (

@@ -95,7 +95,7 @@ def _alike_bodies(
     # A person may have turned back outside the picture.
     either = (track.motion.predictions[0], track.motion.poses[-1])
     expected = np.vstack([transform(T, track.model.xyz) for T in either])
-    away, _ = cKDTree(expected).query(foreground.middle)
+    distance, _ = cKDTree(expected).query(foreground.middle)
     reach = track.span * (
         options.arrivals.return_radii
         + options.arrivals.return_radii_per_frame
@@ -103,7 +103,7 @@ def _alike_bodies(
     )
     least = options.track.hardly_share * options.arrivals.return_scrap_share * track.size
     for number, cells in enumerate(bodies):
-        gap = float(np.asarray(away)[cells].min())
+        gap = float(np.asarray(distance)[cells].min())
         if gap > reach:
             continue
         points = foreground.indices[np.isin(foreground.cell, cells)]
@@ -182,9 +182,9 @@ def hang_together(
     every = np.flatnonzero(either)
     foreground = Foreground.of(view, every, size)
     # Surface that reappears at its depth from before an occlusion keeps its former label.
-    again = np.where(inside[every], background.again(view, every), 0)
-    seeds = _seeds(len(view.xyz), cores, every, again, options=options.background)
-    sure = (background.certain(view, every) | (again != 0)) & inside[every]
+    former_label = np.where(inside[every], background.reappearing_labels(view, every), 0)
+    seeds = _seeds(len(view.xyz), cores, every, former_label, options=options.background)
+    sure = (background.certain(view, every) | (former_label != 0)) & inside[every]
     far = {n: options.body.way_radii * tracks[n].span for n in cores} | _by_clothes(
         seeds, sure, foreground, tracks
     )
@@ -244,20 +244,20 @@ def _others(
 
 
 def _seeds(
-    count: int, cores: Mapping[int, I64], every: I64, again: I64, options: BackgroundOptions
+    count: int, cores: Mapping[int, I64], every: I64, former_label: I64, options: BackgroundOptions
 ) -> dict[int, Mask]:
     """Return masks by label over the points ``every`` (M,) of ``count`` that are certainly its.
 
     They are its claim and, if a good part of the claim has reappeared, all points with its label
-    in ``again`` (M,).
+    in ``former_label`` (M,).
     """
     seeds: dict[int, Mask] = {}
     for label, core in cores.items():
         mask = np.zeros(count, np.bool_)
         mask[core] = True
         seeds[label] = mask[every]
-        if np.count_nonzero(again[mask[every]] == label) > options.stayed_share * len(core):
-            seeds[label] |= again == label
+        if np.count_nonzero(former_label[mask[every]] == label) > options.stayed_share * len(core):
+            seeds[label] |= former_label == label
     return seeds
 
 
@@ -316,8 +316,8 @@ def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
 
 def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
     """Return the unlabelled points that are not part of the static scene."""
-    away = ~close_to(other_movers.xyz, scene, apart)
-    return OtherMovers(other_movers.xyz[away], other_movers.colour[away], other_movers.weight)
+    moving = ~close_to(other_movers.xyz, scene, apart)
+    return OtherMovers(other_movers.xyz[moving], other_movers.colour[moving], other_movers.weight)
 
 
 def _was_there(

@@ -45,16 +45,16 @@ class _Figures:
         """(K + 1,) longest path (m): 0 for no figure, then of each figure."""
         return np.concatenate([[0.0], self.far])
 
-    def nearest(self, ways: Paths, bare: Mask, away: F64) -> tuple[I64, F64]:
+    def nearest(self, ways: Paths, bare: Mask, untracked_path: F64) -> tuple[I64, F64]:
         """Return (cells,) the figure with the shortest path to each cell, from 1, and the path.
 
-        The figure is 0 if the path is too long or longer than ``away`` (cells,), the path to
-        untracked points.  Paths do not cross ``bare`` cells.
+        The figure is 0 if the path is too long or longer than ``untracked_path`` (cells,), the
+        path to untracked points.  Paths do not cross ``bare`` cells.
         """
         way, origin = shortest_paths(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
         first = self.votes.argmax(axis=0) + 1
         owner = np.where(np.isfinite(way), first[origin], 0)
-        owner[(way > self.limit[owner]) | (away < way)] = 0
+        owner[(way > self.limit[owner]) | (untracked_path < way)] = 0
         return owner, way
 
 
@@ -133,10 +133,10 @@ class Foreground:
         bare = still | rival
         figures = self._figures(cores, bare, far, clothes)
         off, _ = shortest_paths(ways, np.flatnonzero(rival), np.ones(len(bare), np.bool_))
-        away = np.minimum(shortest_paths(ways, np.flatnonzero(still), ~sure)[0], off)
-        owner, way = figures.nearest(ways, bare, away)
+        untracked_path = np.minimum(shortest_paths(ways, np.flatnonzero(still), ~sure)[0], off)
+        owner, way = figures.nearest(ways, bare, untracked_path)
         self._whole_bodies(owner, figures, ways, sure & solid & ~bare & ~(off < way))
-        apart = np.flatnonzero((owner == 0) & ~np.isfinite(away) & solid & sure)
+        apart = np.flatnonzero((owner == 0) & ~np.isfinite(untracked_path) & solid & sure)
         self._join_apart(owner, apart, self.options.body.bridge_share * figures.limit)
         owner[~solid] = 0
         result: I64 = np.array([0, *cores])[owner][self.cell]

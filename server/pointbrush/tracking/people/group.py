@@ -12,11 +12,11 @@ from pointbrush.tracking.interface import F64, I64, USUAL_FPS, Mask, TrackOption
 from pointbrush.tracking.model.track import Carrier, Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import (
-    come_back,
+    confusable_people,
     exchange,
     merge,
-    mistakable,
     newcomers,
+    return_missing_people,
     rules_out,
 )
 from pointbrush.tracking.people.foreground import Foreground
@@ -86,11 +86,11 @@ class Group:
         if not len(view.labels[label]):
             return
         cells = Foreground.of(view, view.labels[label], self.size)
-        person = Person.met(
+        person = Person.first_seen(
             self.options, label, cells.middle, cells.colour, self.now, track.appearance
         )
         person.identity.with_flying = track.painted.with_flying
-        person.went = track.motion.poses[-1][:3, 3]
+        person.displacement = track.motion.poses[-1][:3, 3]
         if view.frame.rgb is not None:
             points = view.labels[label]
             person.identity.colours = view.colour(
@@ -115,7 +115,7 @@ class Group:
         shares = None
         if len(observation.owner) and people:
             shares = shared_out(observation, people, strides(observation, people))
-            gone = come_back(observation, people, self.usual, self.now)
+            gone = return_missing_people(observation, people, self.usual, self.now)
             fresh = newcomers(observation, people, self.usual, self.now)
             gone |= merge(observation, [*people, *fresh], self.now)
             self.people = [f for f in [*people, *fresh] if f.label not in gone]
@@ -124,12 +124,12 @@ class Group:
         found = {}
         for k, person in enumerate(people):
             stride = person.step if shares is None else shares.stride[k]
-            looks = _looks(observation, person, shares, k, stride, expected)
-            if looks is not None and person.named:
-                self.doubt(observation, person, looks)
+            evidence = _evidence(observation, person, shares, k, stride, expected)
+            if evidence is not None and person.named:
+                self.doubt(observation, person, evidence)
             person.follow(observation, stride, self.now)
             if person.named:
-                found[person.label] = outcome(observation, person, looks)
+                found[person.label] = outcome(observation, person, evidence)
             else:
                 person.measure(person.top(observation))
         left = any(f.named and f.at_side and f.frames_unseen for f in people)
@@ -146,11 +146,13 @@ class Group:
     def leave_behind(self, background: PictureBackground) -> None:
         """Add static surface with a person's label to the background after they walked on."""
         for person in (f for f in self.people if f.named):
-            gone = person.gone()
-            if gone is not None:
-                background.left_behind(person.label, *gone)
+            departure = person.departure()
+            if departure is not None:
+                background.left_behind(person.label, *departure)
 
-    def doubt(self, observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
+    def doubt(
+        self, observation: PersonObservation, person: Person, evidence: PersonEvidence
+    ) -> None:
         """Record identity doubts of a person, until clothes or stature resolve them.
 
         A person is doubted if they reappear, or are suddenly much larger, where another person may
@@ -158,33 +160,35 @@ class Group:
         """
         options = self.options
         identity = person.identity
-        others = mistakable(observation, self.people, person, self.now)
+        others = confusable_people(observation, self.people, person, self.now)
         most = options.body.crowded_ratio * max(identity.first, self.usual)
-        if person.well < self.now - 1 or looks.size * person.size > most:
+        if person.last_clear < self.now - 1 or evidence.size * person.size > most:
             for other in others:
                 person.doubt(other)
         top = person.top(observation)
-        here = [f for f in self.people if f.label in identity.doubts and f not in others]
-        here = here if looks.like > -options.body.clearly_log else []
+        doubted = [f for f in self.people if f.label in identity.doubts and f not in others]
+        doubted = doubted if evidence.like > -options.body.clearly_log else []
         as_tall = [f for f in self.people if f.named and f is not person]
         as_tall = [
             f
             for f in as_tall
             if ratio(top, f.identity.stature, identity.stature) >= options.stature.decisive_log_odds
         ]
-        some = observation.some(observation.cells_of(person.label)) if here or as_tall else None
-        identity.doubts -= {f.label for f in here if rules_out(some, top, person, f)}
+        some = observation.some(observation.cells_of(person.label)) if doubted or as_tall else None
+        identity.doubts -= {f.label for f in doubted if rules_out(some, top, person, f)}
         identity.doubts |= {f.label for f in as_tall if rules_out(some, top, f, person)}
         if (
             not identity.doubts
-            and looks.likelihood(options=self.options) > options.body.sure_likelihood
+            and evidence.likelihood(options=self.options) > options.body.sure_likelihood
         ):
             identity.sure = self.now
             person.measure(top)
-            dress(observation, person, looks)
+            update_clothing(observation, person, evidence)
 
 
-def dress(observation: PersonObservation, person: Person, looks: PersonEvidence) -> None:
+def update_clothing(
+    observation: PersonObservation, person: Person, evidence: PersonEvidence
+) -> None:
     """Update the histogram of a person's clothes if much more of them is visible than before.
 
     Example: a person painted behind another one.  Their cells must not touch other people's.
@@ -195,7 +199,7 @@ def dress(observation: PersonObservation, person: Person, looks: PersonEvidence)
     identity = person.identity
     if (
         some is not None
-        and looks.touching < options.touching_share
+        and evidence.touching < options.touching_share
         and area > options.better_ratio * identity.shown > 0.0
     ):
         identity.show(some, area)
@@ -209,7 +213,7 @@ def cell_size(view: View, track: Track, background: PictureBackground) -> float:
     return max(options.cell_units * track.unit, options.cell_radius_share * track.span, calm)
 
 
-def _looks(
+def _evidence(
     observation: PersonObservation,
     person: Person,
     shares: Shares | None,
@@ -246,36 +250,36 @@ def astray(
     """
     options = observation.options.body
     middle = np.median(observation.ground[cells], axis=0)
-    away = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
-    own = away.pop(label)
-    other = min(away.values(), default=options.nearest_m[1])
+    distance = {k: float(np.linalg.norm(at - middle)) for k, at in expected.items()}
+    own = distance.pop(label)
+    other = min(distance.values(), default=options.nearest_m[1])
     return float(np.log(max(own, options.nearest_m[0]) / np.clip(other, *options.nearest_m)))
 
 
 def outcome(
-    observation: PersonObservation, person: Person, looks: PersonEvidence | None
+    observation: PersonObservation, person: Person, evidence: PersonEvidence | None
 ) -> Outcome:
     """Return the state of a person in the frame, and their points."""
     options = observation.options
     identity, pose = person.identity, np.eye(4)
-    pose[:3, 3] = person.went
+    pose[:3, 3] = person.displacement
     points = observation.points_of(person.label)
     if identity.with_flying:
         points = np.concatenate([points, observation.take_flying(points)])
     points = np.sort(points)
-    if person.frames_unseen or looks is None:
+    if person.frames_unseen or evidence is None:
         # The visible points are theirs, but too few to track.
         identity.confidence = max(0.0, identity.confidence - options.confidence.regain)
         lost = person.frames_unseen > options.update.lost_frames
         state = TrackState(pose, 0.0, 0.0, 0.0, 0, "lost" if lost else "occluded")
         return Outcome(state, points)
     identity.confidence = min(
-        looks.likelihood(options=observation.view.options),
+        evidence.likelihood(options=observation.view.options),
         identity.confidence + options.confidence.regain,
     )
     cap = options.body.doubted_confidence if identity.doubts else 1.0
     identity.confidence = min(identity.confidence, identity.cap, cap)
-    state = TrackState(pose, 0.0, looks.shown, identity.confidence, len(points), "tracked")
+    state = TrackState(pose, 0.0, evidence.shown, identity.confidence, len(points), "tracked")
     return Outcome(state, points)
 
 
@@ -287,10 +291,10 @@ class JointTracking:
     """
 
     def __init__(
-        self, tracks: Mapping[int, Track], options: TrackerOptions, asked: TrackOptions
+        self, tracks: Mapping[int, Track], options: TrackerOptions, track_options: TrackOptions
     ) -> None:
         """``tracks``: live mapping of all tracks of the run."""
-        self._tracks, self._asked, self.options = tracks, asked, options
+        self._tracks, self._track_options, self.options = tracks, track_options, options
         self.group: Group | None = None
 
     @property
@@ -306,7 +310,7 @@ class JointTracking:
         """Start joint tracking of the people among the ``labels`` of a frame, if it applies."""
         bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
         if bodies and isinstance(background, PictureBackground):
-            self.group = Group.of(view, bodies, background, self._asked.fps)
+            self.group = Group.of(view, bodies, background, self._track_options.fps)
             self._tell_clothes()
 
     def join(self, view: View, background: Background, label: int) -> None:
@@ -359,10 +363,10 @@ class JointTracking:
             place, carrier = track.motion.place @ flat, track.carrier
             if one.state.state == "tracked":
                 who = self._touching(view, track, one.points, outcomes)
-                if who and track.away and track.confidence >= self.options.smoothing.sure:
+                if who and track.has_left_start and track.confidence >= self.options.smoothing.sure:
                     track.carrier = Carrier(who, place - middle[who])
             elif carrier is not None and carrier.label in middle:
-                step = flat @ (middle[carrier.label] + carrier.away - place)
+                step = flat @ (middle[carrier.label] + carrier.offset - place)
                 track.motion = track.motion.go_along(step)
                 if carrier.label in outcomes:
                     outcomes[carrier.label] = self._doubted(outcomes[carrier.label], track.size)
@@ -401,7 +405,7 @@ class JointTracking:
         found = self.group.step(view, background, free)
         for label, one in found.items():
             track = self._tracks[label]
-            track.lost = one.state.state == "lost" and not self._asked.continue_lost
+            track.lost = one.state.state == "lost" and not self._track_options.continue_lost
             if track.lost:
                 self.group.drop(label)
         return {label: each for label, each in found.items() if label not in painted}

@@ -57,7 +57,9 @@ class PersonObservation:
         """Return cells of ``size`` metres from the ``free`` foreground points (N,)."""
         some = np.flatnonzero(free)
         some = some[~background.furniture(view, some)]
-        moving = ~background.scenery(view, some, NEVER) | (background.again(view, some) != 0)
+        moving = ~background.scenery(view, some, NEVER) | (
+            background.reappearing_labels(view, some) != 0
+        )
         some = some[moving]
         loose = flying(view, some, unit)
         return PersonObservation(

@@ -100,14 +100,14 @@ class Identity:
 class Person:
     """An ``identity`` with the surface ``xyz`` (S, 3) and its ``colour``.
 
-    ``since``: first frame; ``back``: frame of the last reappearance; ``step`` (3,): metres in the
-    last frame; ``went`` (3,): metres since the start; ``size``: maximum number of cells; ``last``:
-    their number in the last frame; ``area``: maximum visible surface; ``spread``: spread on the
-    ground (m) when painted; ``at_side``: whether they touched a side of the picture when last seen,
-    or since they were last seen well; ``well``: last frame with more than scraps of them; ``known``
-    (S, 3): their surface in it; ``mistaken``: consecutive frames with clothes exchanged with
-    another person; ``ways`` (2,): positions on the ground in the last frames; ``seen``: points (M,)
-    by frame of a newcomer who may be recognised later, then of the person.
+    ``since``: first frame; ``reappearance``: frame of the last reappearance; ``step`` (3,): metres
+    in the last frame; ``displacement`` (3,): metres since the start; ``size``: maximum number of
+    cells; ``last``: their number in the last frame; ``area``: maximum visible surface; ``spread``:
+    spread on the ground (m) when painted; ``at_side``: whether they touched a side of the picture
+    when last seen, or since ``last_clear``; ``last_clear``: last frame with more than scraps of
+    them; ``known`` (S, 3): their surface in it; ``exchanged_frames``: consecutive frames with
+    clothes exchanged with another person; ``positions`` (2,): on the ground, in the last frames;
+    ``seen``: points (M,) by frame of a newcomer who may be recognised later, then of the person.
     """
 
     options: TrackerOptions
@@ -116,7 +116,7 @@ class Person:
     colour: F32
     since: int
     step: F64 = field(default_factory=lambda: np.zeros(3))
-    went: F64 = field(default_factory=lambda: np.zeros(3))
+    displacement: F64 = field(default_factory=lambda: np.zeros(3))
     size: float = field(init=False)
     area: float = 0.0
     spread: float = 0.0
@@ -124,21 +124,21 @@ class Person:
     age: int = 0
     at_side: bool = False
     frames_unseen: int = 0
-    well: int = field(init=False)
+    last_clear: int = field(init=False)
     known: F64 = field(init=False)
-    back: int = -(2**20)
-    mistaken: int = 0
-    ways: deque[F64] = field(init=False)
+    reappearance: int = -(2**20)
+    exchanged_frames: int = 0
+    positions: deque[F64] = field(init=False)
     seen: dict[int, I64] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Start with the first cells as the maximum."""
         self.size, self.last = float(len(self.xyz)), len(self.xyz)
-        self.well, self.known = self.since, self.xyz
-        self.ways = deque(maxlen=self.options.body.way_frames)
+        self.last_clear, self.known = self.since, self.xyz
+        self.positions = deque(maxlen=self.options.body.way_frames)
 
     @staticmethod
-    def met(
+    def first_seen(
         options: TrackerOptions,
         label: int,
         xyz: F64,
@@ -164,14 +164,14 @@ class Person:
     def elsewhere(self, observation: PersonObservation, now: int) -> bool:
         """Return whether they may be at an unexpected place, as too little of them is visible."""
         return (
-            self.well < now - 1
+            self.last_clear < now - 1
             or observation.area(observation.cells_of(self.label))
             < self.options.body.scrap_share * self.area
         )
 
-    def left(self, now: int) -> bool:
+    def has_left(self, now: int) -> bool:
         """Return whether they left at a side of the picture, since only scraps are visible."""
-        return self.at_side and self.well < now - 1
+        return self.at_side and self.last_clear < now - 1
 
     def likeness(self, colour: F32 | None) -> float:
         """Return the mean log likelihood of colours (M, 3) for their clothes over the usual one.
@@ -197,14 +197,17 @@ class Person:
         self.identity.doubts.add(other.label)
         other.identity.doubts.add(self.label)
 
-    def become(self, other: Person) -> None:
+    def exchange_identity(self, other: Person) -> None:
         """Exchange identities with another person."""
         apart = np.median(other.xyz, axis=0) - np.median(self.xyz, axis=0)
-        self.went, other.went = other.went - apart, self.went + apart
+        self.displacement, other.displacement = (
+            other.displacement - apart,
+            self.displacement + apart,
+        )
         self.identity, other.identity = other.identity, self.identity
-        self.ways.clear()
-        other.ways.clear()
-        self.mistaken = other.mistaken = 0
+        self.positions.clear()
+        other.positions.clear()
+        self.exchanged_frames = other.exchanged_frames = 0
 
     def follow(self, observation: PersonObservation, step: F64, now: int) -> None:
         """Update the person from their cells in a frame, after a ``step`` (3,) in metres."""
@@ -215,13 +218,13 @@ class Person:
             return
         hidden = self._hidden(observation, cells, step)
         ground = observation.ground[cells]
-        away = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
+        distance = np.linalg.norm(ground - np.median(ground, axis=0), axis=1)
         # The median of separate parts may lie in empty space; use the cell closest to it.
-        core = cells[np.linalg.norm(ground - ground[away.argmin()], axis=1) < options.memory_m]
+        core = cells[np.linalg.norm(ground - ground[distance.argmin()], axis=1) < options.memory_m]
         self.xyz = np.vstack([observation.cells.middle[core], (self.xyz + step)[hidden]])
         self.colour = np.vstack([observation.cells.colour[core], self.colour[hidden]])
         if self.frames_unseen:
-            self.step, self.back = np.zeros(3), now
+            self.step, self.reappearance = np.zeros(3), now
         else:
             self.step = (
                 step.copy()
@@ -229,25 +232,25 @@ class Person:
                 else (1 - options.newest_step_weight) * self.step
                 + options.newest_step_weight * step
             )
-        self.went = self.went + step
+        self.displacement = self.displacement + step
         self.last = len(cells)
         self.size = max(options.most_decay * self.size, float(self.last))
         # Cells without surface of a person may be many, with a few points each.
         area = observation.area(cells)
         self.area = max(options.most_decay * self.area, area)
         if area >= options.scrap_share * self.area:
-            if self.left(now - self.options.arrivals.missing_frames):
+            if self.has_left(now - self.options.arrivals.missing_frames):
                 self.identity.cap = min(self.identity.cap, options.doubted_confidence)
-            self.well, self.known = now, self.xyz
+            self.last_clear, self.known = now, self.xyz
         self.frames_unseen, self.age = 0, self.age + 1
-        self.at_side = observation.at_side(cells) or self.left(now)
-        self.ways.append(self.went @ observation.flat)
+        self.at_side = observation.at_side(cells) or self.has_left(now)
+        self.positions.append(self.displacement @ observation.flat)
 
-    def gone(self) -> tuple[int, float] | None:
+    def departure(self) -> tuple[int, float] | None:
         """Return the frames and distance (m) in which all of them moved; None: they did not."""
         options = self.options.body
-        for frames, way in enumerate(reversed(self.ways)):
-            far = float(np.linalg.norm(way - self.ways[-1]))
+        for frames, way in enumerate(reversed(self.positions)):
+            far = float(np.linalg.norm(way - self.positions[-1]))
             if frames >= options.gone_frames and far > options.gone_m:
                 return frames, far
         return None
@@ -256,8 +259,8 @@ class Person:
         """Predict the person while occluded, with decreasing speed."""
         self.frames_unseen += 1
         self.last = 0
-        self.ways.clear()
-        self.xyz, self.went = self.xyz + self.step, self.went + self.step
+        self.positions.clear()
+        self.xyz, self.displacement = self.xyz + self.step, self.displacement + self.step
         self.step = self.options.body.hidden_step_share * self.step
 
     def _hidden(self, observation: PersonObservation, cells: I64, step: F64) -> I64:

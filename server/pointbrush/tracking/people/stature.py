@@ -28,8 +28,8 @@ def across(view: View, people: Iterable[F64]) -> F64:
     """
     spread = np.zeros((3, 3))
     for xyz in people:
-        away = xyz - xyz.mean(axis=0)
-        spread += away.T @ away / len(xyz)
+        offset = xyz - xyz.mean(axis=0)
+        spread += offset.T @ offset / len(xyz)
     right, down, ahead = view.T_picture_world[:3, :3]
     up = np.linalg.eigh(spread)[1][:, 2]
     up = up * np.sign(-up @ down)
@@ -100,8 +100,8 @@ class Stature:
         if not self.known:
             return 0.0
         varies = options.sigma_m * math.sqrt(1 + 1 / len(self.tops))
-        away = (top - float(np.median(self.tops))) / varies
-        upright = math.exp(-0.5 * away**2) / (varies * math.sqrt(2 * math.pi))
+        deviation = (top - float(np.median(self.tops))) / varies
+        upright = math.exp(-0.5 * deviation**2) / (varies * math.sqrt(2 * math.pi))
         return math.log(
             (1 - options.bent_share) * upright * options.bent_range_m + options.bent_share
         )
@@ -137,8 +137,10 @@ def top_of(observation: PersonObservation, cells: I64, area: float) -> float | N
     order = np.argpartition(height, len(points) - above)
     highest = order[len(points) - above :]
     middle = world[highest].mean(axis=0)
-    at, away = observation.view.project(middle + np.outer(options.above_m, observation.up))
-    free = (at >= 0) & (observation.view.depth[at] > away + observation.options.body.before_m)
+    at, above_depth = observation.view.project(middle + np.outer(options.above_m, observation.up))
+    free = (at >= 0) & (
+        observation.view.depth[at] > above_depth + observation.options.body.before_m
+    )
     return float(height[highest].min()) if free.all() else None
 
 
@@ -193,7 +195,7 @@ def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> 
         if highest < 0:
             peak[i] = i
             continue
-        nearest, away = highest, np.sum((ground[i] - ground[highest]) ** 2)
+        nearest, square = highest, np.sum((ground[i] - ground[highest]) ** 2)
         for n in range(links.start[i], links.start[i + 1]):
             if peak[links.end[n]] >= 0:
                 top = root_of(root, peak[links.end[n]])
@@ -201,8 +203,8 @@ def _peaks(order: I64, links: Paths, height: F64, ground: F64, least: float) -> 
                     root[top] = highest
                 elif top != highest:
                     gap = np.sum((ground[i] - ground[top]) ** 2)
-                    if gap < away:
-                        nearest, away = top, gap
+                    if gap < square:
+                        nearest, square = top, gap
         peak[i] = nearest
     for i in order:
         peak[i] = root_of(root, peak[i])

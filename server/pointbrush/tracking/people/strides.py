@@ -57,9 +57,9 @@ def strides(observation: PersonObservation, people: Sequence[Person]) -> F64:
     tints = np.empty((0, 3), np.float32) if observation.tints is None else observation.tints
     lens, loose = view.camera.pixels, view.marked(cells.indices)
     picture = Picture(lens, view.T_lens_world, view.depth, loose, point, tints)
-    away = [float(np.median(view.project(f.xyz).depth)) for f in people]
+    depth = [float(np.median(view.project(f.xyz).depth)) for f in people]
     found = np.zeros((len(people), 3))
-    for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, away[k])):
+    for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, depth[k])):
         found[k] = _stride(observation, people[k], picture)
         reach = observation.options.step.own_cells * cells.size
         own = close_to(cells.middle, people[k].xyz + found[k], reach)[cells.cell]
@@ -240,10 +240,10 @@ def _surface_costs(
     gap[close], near[close] = surface.tree.query(seen[close], distance_upper_bound=reach)
     cost = np.where(np.isfinite(gap), 0.5 * np.minimum(gap, options.cap) ** 2, options.cap)
     middle = np.median((person.xyz + stride) @ observation.flat, axis=0)
-    away = np.linalg.norm(observation.ground - middle, axis=1)
+    distance = np.linalg.norm(observation.ground - middle, axis=1)
     cost += np.minimum(
         options.body_max_cost,
-        0.5 * (np.maximum(0.0, away - options.body_m) / options.body_sigma_m) ** 2,
+        0.5 * (np.maximum(0.0, distance - options.body_m) / options.body_sigma_m) ** 2,
     )
     cost += options.hidden_cost_owner * (person.frames_unseen > 0)
     return cost, np.where(np.isfinite(gap), near, -1).astype(np.int64)

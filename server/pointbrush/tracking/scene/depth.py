@@ -20,11 +20,11 @@ from pointbrush.tracking.scene.images import DepthNoise, continued, drawn_on, fa
 from pointbrush.tracking.scene.pixels import (
     Images,
     LastSeen,
-    again,
     before,
     furniture,
     keep_up,
     least,
+    reappearing_labels,
     scenery,
     stood,
     take_in,
@@ -58,7 +58,7 @@ class Background(Protocol):
     def certain(self, view: View, indices: I64, /) -> Mask:
         """Mark the points (M,) in front of a background that has been seen."""
 
-    def again(self, view: View, indices: I64, /) -> I64:
+    def reappearing_labels(self, view: View, indices: I64, /) -> I64:
         """Return (M,) the former label of points (M,) that reappear at the same depth.
 
         It is 0 for other points, and where the scene behind is known.
@@ -233,10 +233,10 @@ class ImageBackground:
             age=self.age,
         )
 
-    def again(self, view: View, indices: I64) -> I64:
+    def reappearing_labels(self, view: View, indices: I64) -> I64:
         """See ``Background``."""
         sigmas = self.options.background.near_sigmas
-        return again(view.cells, indices, self.held, self.noise, sigmas)
+        return reappearing_labels(view.cells, indices, self.held, self.noise, sigmas)
 
     def learn(self, view: View, first: bool = False, keep: F64 | None = None) -> None:
         """See ``Background``."""

@@ -151,8 +151,8 @@ def chart_of(views: Sequence[View], noise: DepthNoise, options: TrackerOptions) 
             np.nan
         )
         new = SurfaceMap.of(view, depth)
-        asked = [_asked(v, a, new.at, noise) for v, a in zip(views, around, strict=True)]
-        inside, shown, through = np.sum(asked, axis=0)
+        flags = [_visibility_flags(v, a, new.at, noise) for v, a in zip(views, around, strict=True)]
+        inside, shown, through = np.sum(flags, axis=0)
         enough = np.maximum(
             min(options.mapping.min_views, len(views)), options.mapping.shown_share * inside
         )
@@ -182,7 +182,7 @@ def _least(view: View, image: F32) -> F32:
     return result
 
 
-def _asked(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
+def _visibility_flags(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
     """Return (3, M) flags of places (M, 3): inside the picture, on a surface, seen through."""
     cell, depth = view.project(at)
     limit = view.options.background.near_sigmas * noise(depth)

@@ -116,10 +116,10 @@ def stood(
 
 
 @compiled
-def again(
+def reappearing_labels(
     points: Projection, indices: I64, last: LastSeen, noise: DepthNoise, near_sigmas: float
 ) -> I64:
-    """See ``Background.again``."""
+    """See ``Background.reappearing_labels``."""
     cells, depths = points
     label = np.zeros(len(indices), np.int64)
     for i in range(len(indices)):

@@ -73,7 +73,7 @@ class PointBackground:
             return np.zeros(len(indices), np.bool_)
         return ~self._seen_in(self.past[:1], view, indices)
 
-    def again(self, _view: View, indices: I64) -> I64:
+    def reappearing_labels(self, _view: View, indices: I64) -> I64:
         """See ``Background``; unknown without a depth image."""
         return np.zeros(len(indices), np.int64)
 

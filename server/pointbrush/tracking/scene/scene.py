@@ -156,12 +156,12 @@ class Scene:
 
         ``back``: inverse pose in that frame, in the world, by label.
         """
-        here, there = self._pose(found.frame), self._pose(start)
+        T_world_frame, T_world_start = self._pose(found.frame), self._pose(start)
         tracks = {}
         for label, track in found.tracks.items():
             pose = track.pose @ back[label]
-            if here is not None and there is not None:
-                pose = np.linalg.inv(here) @ pose @ there
+            if T_world_frame is not None and T_world_start is not None:
+                pose = np.linalg.inv(T_world_frame) @ pose @ T_world_start
             tracks[label] = replace(track, pose=pose)
         return replace(found, tracks=tracks)
 

@@ -132,10 +132,10 @@ def find_lens(
     if len(xyz) < options.lens.min_points:
         return None
     if frame.lattice is not None:
-        return _told(frame.lattice, options=options.lens)
-    told = frame.viewpoint is not None
+        return _imported_lens(frame.lattice, options=options.lens)
+    is_recorded = frame.viewpoint is not None
     supposed = np.zeros(3) if place is None else place
-    eye = np.asarray(frame.viewpoint if told else supposed, np.float64)
+    eye = np.asarray(frame.viewpoint if is_recorded else supposed, np.float64)
     sample = xyz[:: max(1, len(xyz) // options.lens.sampled_points)].astype(np.float64) - eye
     facing = _faced(sample, options=options.lens)
     if facing is None:
@@ -157,8 +157,8 @@ def find_lens(
     size = options.lens.pixel_spacings * spacing
     lens = _lens(sample, eye, turn, along, (size, size), options=options.lens)
     sought = options.lens.filled_share if place is None else options.lens.filled_share_sought
-    least = 0.0 if told else sought
-    if lens is None or not _sees(lens, xyz, told, least, options=options.lens):
+    least = 0.0 if is_recorded else sought
+    if lens is None or not _sees(lens, xyz, is_recorded, least, options=options.lens):
         return None
     return replace(lens, lattice=False)
 
@@ -177,7 +177,7 @@ def _faced(local: F64, options: LensOptions) -> tuple[F64, tuple[int, float], F6
     return None if along is None else (turned, along, turn)
 
 
-def _told(lattice: PixelLattice, options: LensOptions) -> Lens:
+def _imported_lens(lattice: PixelLattice, options: LensOptions) -> Lens:
     """Return the pixel grid found by the import, with a margin around the image."""
     margin = options.margin_px
     least, up = (
@@ -239,11 +239,11 @@ def axes_along(forward: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) -> bool:
+def _sees(lens: Lens, xyz: F32, is_recorded: bool, least: float, options: LensOptions) -> bool:
     """Return whether points (N, 3) are an image of a sensor at the position of ``lens``.
 
     Each direction has one surface, continuous with its neighbours, and at least a share ``least``
-    of the image is filled.  ``told``: the position was recorded, so that tolerances are larger.
+    of the image is filled.  Tolerances are larger if the position ``is_recorded``.
     """
     cell, depth = lens.cells(np.asarray(xyz, np.float32), options=options)
     nearest = np.full(lens.shape[0] * lens.shape[1] + 1, np.inf, np.float32)
@@ -253,7 +253,9 @@ def _sees(lens: Lens, xyz: F32, told: bool, least: float, options: LensOptions) 
     filled = np.isfinite(nearest).sum() > least * height * width
     if _torn(nearest[:-1].reshape(lens.shape), options=options) > options.torn_share:
         return False
-    return bool(filled) and behind < (options.behind_share_told if told else options.behind_share)
+    return bool(filled) and behind < (
+        options.behind_share_recorded if is_recorded else options.behind_share
+    )
 
 
 def _torn(image: F32, options: LensOptions) -> float:

@@ -13,7 +13,7 @@ from pointbrush.tracking.interface import F32, F64, Frames, KnownSensor, TrackFr
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.options.sensors import ViewpointOptions
 from pointbrush.tracking.sensors.camera import Lens, axes_along, find_lens
-from pointbrush.tracking.sensors.scan_odometry import shown_at_rest, told_trajectory
+from pointbrush.tracking.sensors.scan_odometry import recorded_trajectory, shown_at_rest
 from pointbrush.tracking.sensors.scanner import reach_of
 
 
@@ -92,33 +92,34 @@ def find_camera(xyz: F32, options: TrackerOptions) -> F64 | None:
 
     The caller has to check that the points fill an image from there.
     """
-    asked = options.viewpoint
-    if len(xyz) < asked.min_points:
+    viewpoint_options = options.viewpoint
+    if len(xyz) < viewpoint_options.min_points:
         return None
     few, many, every = (
-        _thinned(xyz, most) for most in (asked.coarse_points, asked.fine_points, len(xyz))
+        _thinned(xyz, most)
+        for most in (viewpoint_options.coarse_points, viewpoint_options.fine_points, len(xyz))
     )
     middle = np.median(few, axis=0)
     size = float(np.median(np.linalg.norm(few - middle, axis=1)))
     if size <= 0:
         return None
-    distances = np.array(asked.distance_sizes)[:, None, None]
-    places = middle + size * (distances * _all_round(options=asked)).reshape(-1, 3)
-    gap = asked.hidden_sizes * size
+    distances = np.array(viewpoint_options.distance_sizes)[:, None, None]
+    places = middle + size * (distances * _all_round(options=viewpoint_options)).reshape(-1, 3)
+    gap = viewpoint_options.hidden_sizes * size
     costs = np.array([_hidden(few, place, gap, options=options) for place in places])
-    if costs.min() > asked.hidden_share_far:
+    if costs.min() > viewpoint_options.hidden_share_far:
         return None
-    first, last, least = (step * size for step in asked.place_steps)
-    likely = places[np.argsort(costs, kind="stable")[: asked.followed_places]]
+    first, last, least = (step * size for step in viewpoint_options.place_steps)
+    likely = places[np.argsort(costs, kind="stable")[: viewpoint_options.followed_places]]
     found = [_closer(many, place, gap, first, last, options=options) for place in likely]
     best = min(found, key=lambda place: _hidden(many, place, gap, options=options))
-    if _hidden(many, best, gap, options=options) > 2 * asked.hidden_share:
+    if _hidden(many, best, gap, options=options) > 2 * viewpoint_options.hidden_share:
         return None
     place = _closer(every, best, gap, 2 * last, least, options=options)
-    if _hidden(every, place, gap, options=options) >= asked.hidden_share:
+    if _hidden(every, place, gap, options=options) >= viewpoint_options.hidden_share:
         return None
-    closer = most_even_place(many, place, size, options=asked)
-    nearer = _hidden(every, closer, gap, options=options) < asked.hidden_share
+    closer = most_even_place(many, place, size, options=viewpoint_options)
+    nearer = _hidden(every, closer, gap, options=options) < viewpoint_options.hidden_share
     return closer if nearer else place
 
 
@@ -145,8 +146,8 @@ def _closer(
 def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
     """Return the share of the points (N, 3) occluded from a position; 1: no image is so wide."""
     local = xyz - place
-    away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
-    rays = local / away[:, None]
+    distance = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
+    rays = local / distance[:, None]
     forward = rays.mean(axis=0)
     straight = float(np.linalg.norm(forward))
     if straight < options.viewpoint.min_mean_ray:
@@ -165,8 +166,8 @@ def _hidden(xyz: F64, place: F64, gap: float, options: TrackerOptions) -> float:
     column, row = ((t - t.min()) / pitch for t in (across, down))
     cell = row.astype(np.int64) * (int(column.max()) + 1) + column.astype(np.int64)
     nearest = np.full(int(cell.max()) + 1, np.inf)
-    np.minimum.at(nearest, cell, away)
-    return float(np.mean(away > nearest[cell] + gap))
+    np.minimum.at(nearest, cell, distance)
+    return float(np.mean(distance > nearest[cell] + gap))
 
 
 def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:
@@ -177,16 +178,16 @@ def examine(frames: Frames, count: int, options: TrackerOptions) -> KnownSensor:
     order = range(count)
     first, *others = (frames(order[at]) for at in (0, count // 2, -1))
     placeless = False
-    if _untold(first, options=options) and len(first.xyz) >= options.viewpoint.min_points:
+    if _has_no_position(first, options=options) and len(first.xyz) >= options.viewpoint.min_points:
         place = find_camera(np.asarray(first.xyz), options=options)
         if place is not None and _seen_from(place, first, others, options=options) is not None:
             x, y, z = place.tolist()
             return KnownSensor(place=(x, y, z))
         placeless = place is None
-    told, _ = told_trajectory(frames, order, options=options)
+    trajectory, _ = recorded_trajectory(frames, order, options=options)
     spread = np.linspace(0, count - 1, min(count, options.scan_odometry.examined_frames + 1))
     numbers = [int(number) for number in spread]
-    at_rest = told is None and count > 1 and shown_at_rest(frames, numbers, options=options)
+    at_rest = trajectory is None and count > 1 and shown_at_rest(frames, numbers, options=options)
     return KnownSensor(at_rest=at_rest, placeless=placeless)
 
 
@@ -197,7 +198,7 @@ def lens_at_rest(
 
     It is estimated if the frame does not have it, and must be valid in the ``others`` as well.
     """
-    if known.placeless or not _untold(first, options=options):
+    if known.placeless or not _has_no_position(first, options=options):
         return None
     if known.place is not None:
         lens = _seen_from(np.array(known.place), first, others, options=options)
@@ -207,7 +208,7 @@ def lens_at_rest(
     return None if place is None else _seen_from(place, first, others, options=options)
 
 
-def _untold(frame: TrackFrame, options: TrackerOptions) -> bool:
+def _has_no_position(frame: TrackFrame, options: TrackerOptions) -> bool:
     """Return whether a frame of a depth camera's range has no position, pose or pixel grid."""
     return (
         frame.viewpoint is None

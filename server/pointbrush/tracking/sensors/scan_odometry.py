@@ -29,7 +29,7 @@ from pointbrush.tracking.sensors.visual_odometry import CameraTrajectory, camera
 
 
 def likely_shifts(
-    before: F64, here: F64, cell: float, count: int, options: ScanOdometryOptions
+    before: F64, after: F64, cell: float, count: int, options: ScanOdometryOptions
 ) -> F64:
     """Return shifts (count, 3) in metres of points ``before`` (N, 3) to ``here`` (M, 3).
 
@@ -43,7 +43,7 @@ def likely_shifts(
     _, axes = np.linalg.eigh(np.einsum("ni,nj->ij", around, around))
     wide = axes[:, :0:-1]
     pictures = [
-        _upright((xyz - middle) @ axes[:, ::-1], pixel, options=options) for xyz in (before, here)
+        _upright((xyz - middle) @ axes[:, ::-1], pixel, options=options) for xyz in (before, after)
     ]
     one, other = (np.fft.rfft2(picture) for picture in pictures)
     product = other * np.conj(one)
@@ -114,20 +114,20 @@ def planes_of(xyz: F64, options: TrackerOptions) -> Planes | None:
     if len(some) < odometry.min_planes * odometry.plane_neighbours:
         return None
     tree = cKDTree(some)
-    asked = some[:: max(1, len(some) // (odometry.asked_per_plane * odometry.planes))]
-    _, near = tree.query(asked, k=odometry.plane_neighbours)
+    sampled = some[:: max(1, len(some) // (odometry.candidates_per_plane * odometry.planes))]
+    _, near = tree.query(sampled, k=odometry.plane_neighbours)
     around = some[near] - some[near].mean(axis=1, keepdims=True)
     values, vectors = np.linalg.eigh(around.transpose(0, 2, 1) @ around)
     flat = values[:, 0] < odometry.plane_flatness * values[:, 2]
     flat &= values[:, 1] > odometry.plane_breadth * values[:, 2]
-    at, normal = asked[flat], vectors[flat, :, 0]
+    at, normal = sampled[flat], vectors[flat, :, 0]
     kept = _all_ways(normal, options=odometry)
     return Planes(at[kept], normal[kept], tree, cell)
 
 
 def _cell(xyz: F64, least: float, options: ScanOdometryOptions) -> float:
-    away = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
-    return max(options.cell_share * float(np.median(away)), least)
+    distance = np.linalg.norm(xyz - np.median(xyz, axis=0), axis=1)
+    return max(options.cell_share * float(np.median(distance)), least)
 
 
 def _all_ways(normal: F64, options: ScanOdometryOptions) -> I64:
@@ -195,8 +195,8 @@ def register_anywhere(
     shifts = likely_shifts(moved, there, planes.cell, options.shifts, options=options)
     middle = planes.at.mean(axis=0)[None]
     for start in [*starts[1:], *(_shifted(starts[0], shift) for shift in shifts)]:
-        away = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
-        if away > options.shift_cells * planes.cell:
+        distance = np.linalg.norm(transform(start, middle) - transform(best[0], middle))
+        if distance > options.shift_cells * planes.cell:
             best = max(best, register(planes, target.tree, start, options=options), key=_share)
     return best
 
@@ -247,7 +247,7 @@ def motions(frames: Frames, numbers: Sequence[int], options: TrackerOptions) -> 
             yield "rests" if agreed else "unclear"
 
 
-def told_trajectory(
+def recorded_trajectory(
     frames: Frames, order: Sequence[int], options: TrackerOptions
 ) -> tuple[Trajectory | None, F64 | None]:
     """Return the recorded trajectory over ``order`` and the first frame's inverse pose (4, 4).
@@ -295,21 +295,21 @@ def find_trajectory(
     It is recorded or estimated from the scene, without the ``painted`` points (M,) of the first
     frame.  None: the sensor is at rest, which may be known in advance.
     """
-    told, back = told_trajectory(frames, order, options=options)
-    if told is not None:
-        return told
+    recorded, back = recorded_trajectory(frames, order, options=options)
+    if recorded is not None:
+        return recorded
     first, last = frames(order[0]), len(order) - 1
     lens = find_lens(first, moves=True, options=options)
     if lens is not None:
         if at_rest or not framed(first, lens, options=options):
             return None
-        positions = sorted({0, *options.scan_odometry.asked_frames, last // 2, last})
-        asked = [order[at] for at in positions if at <= last]
-        moves = "moves" in camera_motions(frames, asked, lens, painted, options=options)
+        positions = sorted({0, *options.scan_odometry.tested_frames, last // 2, last})
+        numbers = [order[at] for at in positions if at <= last]
+        moves = "moves" in camera_motions(frames, numbers, lens, painted, options=options)
         return CameraTrajectory(frames, order, options, lens, painted) if moves else None
     if not at_rest and _of_one(first, options=options):
-        asked = [order[at] for at in (0, *options.scan_odometry.asked_frames) if at <= last]
-        if "moves" in motions(frames, asked, options=options):
+        numbers = [order[at] for at in (0, *options.scan_odometry.tested_frames) if at <= last]
+        if "moves" in motions(frames, numbers, options=options):
             return ScanTrajectory(frames, order, options)
     if not _goes_about(frames, order, options=options):
         return None
@@ -357,13 +357,13 @@ class ScanTrajectory(RegisteredTrajectory):
 
     def _registered(self, frame: TrackFrame) -> F64:
         options = self.options.scan_odometry
-        here = planes_of(np.asarray(frame.xyz, np.float64), options=self.options)
+        planes = planes_of(np.asarray(frame.xyz, np.float64), options=self.options)
         before = self._poses[-1]
         step = np.linalg.inv(self._poses[-2]) @ before if len(self._poses) > 1 else np.eye(4)
-        if self._last is None or here is None:
+        if self._last is None or planes is None:
             return np.asarray(before @ step)
         starts = [np.asarray(np.linalg.inv(step)), np.eye(4)]
-        T, share = register_anywhere(self._last, here, starts, options, self._enough)
+        T, share = register_anywhere(self._last, planes, starts, options, self._enough)
         self._enough = min(options.rest_share, share - options.restart_drop)
-        self._last = here
+        self._last = planes
         return np.asarray(before @ np.linalg.inv(T))

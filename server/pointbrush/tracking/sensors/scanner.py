@@ -35,15 +35,15 @@ class RangeImage:
         occlude points.
         """
         options = self.options.range_image
-        cell, away = _cells(xyz - self.eye, self.up, self.step, options.azimuth_deg)
+        cell, distance = _cells(xyz - self.eye, self.up, self.step, options.azimuth_deg)
         far = self.farthest[cell]
-        hidden = far < away - np.maximum(by, options.hidden_share * away)
+        hidden = far < distance - np.maximum(by, options.hidden_share * distance)
         if own is not None:
             there = np.zeros(len(self.farthest), np.bool_)
             width = _width(options.azimuth_deg)
             beside = np.add.outer((-width, 0, width), (-1, 0, 1)).ravel()
             there[np.clip(own[:, None] + beside, 0, len(there) - 1)] = True
-            hidden &= ~there[cell] | (far < away - size)
+            hidden &= ~there[cell] | (far < distance - size)
         return np.asarray(hidden)
 
     def towards(self, xyz: F64) -> I64:
@@ -73,11 +73,11 @@ def range_image_of(
     ):
         return None
     for step in options.range_image.elevations_deg:
-        cell, away = _cells(local, up, step, options.range_image.azimuth_deg)
+        cell, distance = _cells(local, up, step, options.range_image.azimuth_deg)
         farthest = np.zeros(
             int(180 / step + 1) * _width(options.range_image.azimuth_deg), np.float32
         )
-        np.maximum.at(farthest, cell, away.astype(np.float32))
+        np.maximum.at(farthest, cell, distance.astype(np.float32))
         image = farthest.reshape(-1, _width(options.range_image.azimuth_deg))
         row = np.quantile(
             cell // _width(options.range_image.azimuth_deg),
@@ -138,8 +138,8 @@ def _deep(local: F32 | F64, options: RangeImageOptions) -> bool:
 
     The back of a small object is barely farther than its front.
     """
-    away = np.linalg.norm(local, axis=1)
-    near, far = np.quantile(away, [options.stray_share, 1 - options.stray_share])
+    distance = np.linalg.norm(local, axis=1)
+    near, far = np.quantile(distance, [options.stray_share, 1 - options.stray_share])
     return bool(far > options.lidar_depth_ratio * near)
 
 
@@ -148,15 +148,18 @@ def _spreads(local: F32 | F64, options: RangeImageOptions) -> bool:
 
     A figure centred on the origin also has one surface in each direction, but a uniform spacing.
     """
-    away = np.linalg.norm(local, axis=1)
+    distance = np.linalg.norm(local, axis=1)
     some = np.arange(0, len(local), -(-len(local) // options.min_points))
     from scipy.spatial import cKDTree
 
     apart = np.asarray(cKDTree(local).query(local[some], k=[options.spread_neighbours + 1])[0])[
         :, 0
     ]
-    near, far = (away[some] <= np.quantile(away, 1 / 3), away[some] >= np.quantile(away, 2 / 3))
-    farther = np.median(away[some][far]) / np.median(away[some][near])
+    near, far = (
+        distance[some] <= np.quantile(distance, 1 / 3),
+        distance[some] >= np.quantile(distance, 2 / 3),
+    )
+    farther = np.median(distance[some][far]) / np.median(distance[some][near])
     wider = np.median(apart[far]) / max(float(np.median(apart[near])), 1e-9)
     return bool(wider > farther**options.spread_power)
 
@@ -165,8 +168,8 @@ def reach_of(xyz: F32 | F64, options: RangeImageOptions) -> float:
     """Return the distance (m), along each axis, within which most points (N, 3) lie."""
     if not len(xyz):
         return 0.0
-    away = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
-    return float(np.quantile(away, options.camera_share))
+    distance = np.abs(xyz - np.median(xyz, axis=0).astype(np.float64)).max(axis=1)
+    return float(np.quantile(distance, options.camera_share))
 
 
 def axis_up(local: F32 | F64, options: RangeImageOptions) -> int:
@@ -176,12 +179,12 @@ def axis_up(local: F32 | F64, options: RangeImageOptions) -> int:
 
 def _behind(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
     """Return the share of the points (N, 3) far behind another point in their direction."""
-    cell, away = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
+    cell, distance = _cells(local, up, options.elevations_deg[0], options.azimuth_deg)
     nearest = np.full(
         int(180 / options.elevations_deg[0] + 1) * _width(options.azimuth_deg), np.inf, np.float32
     )
-    np.minimum.at(nearest, cell, away.astype(np.float32))
-    return float((away > options.behind_ratio * nearest[cell]).mean())
+    np.minimum.at(nearest, cell, distance.astype(np.float32))
+    return float((distance > options.behind_ratio * nearest[cell]).mean())
 
 
 def _confused(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
@@ -189,12 +192,12 @@ def _confused(local: F32 | F64, up: int, options: RangeImageOptions) -> float:
 
     It is large for frames of several sensors, or of a sensor at another position.
     """
-    cell, away = _cells(local, up, options.same_direction_deg, options.same_direction_deg)
+    cell, distance = _cells(local, up, options.same_direction_deg, options.same_direction_deg)
     order = np.argsort(cell, kind="stable")
     start = np.flatnonzero(np.diff(cell[order], prepend=-1))
     count = np.diff(start, append=len(cell))
-    nearest = np.repeat(np.minimum.reduceat(away[order], start), count)
-    behind = np.count_nonzero(away[order] > options.behind_ratio * nearest)
+    nearest = np.repeat(np.minimum.reduceat(distance[order], start), count)
+    behind = np.count_nonzero(distance[order] > options.behind_ratio * nearest)
     shared = int(count[count > 1].sum())
     return float(behind / max(shared, options.min_same_direction * len(local)))
 
@@ -207,12 +210,12 @@ def _width(azimuth: float) -> int:
 def _cells(local: F32 | F64, up: int, step: float, azimuth: float) -> tuple[I64, F64]:
     """Return the flat cell and range of points (M, 3) around the sensor."""
     across, along = (a for a in range(3) if a != up)
-    away = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
+    distance = np.sqrt(np.einsum("ij,ij->i", local, local)) + 1e-9
     around = np.degrees(np.arctan2(local[:, along], local[:, across])) + 180.0
-    elevation = np.degrees(np.arcsin(np.clip(local[:, up] / away, -1.0, 1.0))) + 90.0
+    elevation = np.degrees(np.arcsin(np.clip(local[:, up] / distance, -1.0, 1.0))) + 90.0
     width = _width(azimuth)
     cell = (elevation / step).astype(np.int64) * width + (around / azimuth).astype(np.int64)
-    return cell, np.asarray(away, np.float64)
+    return cell, np.asarray(distance, np.float64)
 
 
 def on_ground(xyz: F32, options: TrackerOptions) -> Mask:

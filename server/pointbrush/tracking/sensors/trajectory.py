@@ -68,8 +68,8 @@ class RegisteredTrajectory(Trajectory):
         """Return the pose of frame ``number``; earlier frames are registered first."""
         at = self._order.index(number)
         while len(self._poses) <= at:
-            here = self._frames(self._order[len(self._poses)])
-            self._poses.append(self._registered(here))
+            frame = self._frames(self._order[len(self._poses)])
+            self._poses.append(self._registered(frame))
         return self._poses[at]
 
     @abstractmethod

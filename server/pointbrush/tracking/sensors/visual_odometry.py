@@ -156,7 +156,7 @@ def _shift(layer: Layer, T: F64, start: F64) -> float:
 def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
     """Return a motion refined by Gauss-Newton steps."""
     odometry, nearest_m = options.visual_odometry, options.lens.nearest_m
-    away = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
+    depth = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0
     for _ in range(steps):
         off = _off(layer, image, T, options=options.lens)
         scale = _scale(off, options=odometry)
@@ -169,7 +169,7 @@ def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOpti
         D[:3, :3] = Rotation.from_rotvec(step[3:]).as_matrix()
         D[:3, 3] = step[:3]
         T = D @ T
-        moved = np.linalg.norm(step[:3]) / away + np.linalg.norm(step[3:])
+        moved = np.linalg.norm(step[:3]) / depth + np.linalg.norm(step[3:])
         if moved < odometry.settled_px * image.pitch[0]:
             break
     return T
@@ -197,13 +197,13 @@ def camera_motions(
         other = picture_of(frames(number), lens, options=options)
         fit = motion_between(picture, other, lens, [np.eye(4)], options=options)
         scale = fit.scale if scale is None else scale
-        away = fit.shift > odometry.moved_px
+        is_shifted = fit.shift > odometry.moved_px
         better = 1.0 - fit.agree < odometry.left_share * (1.0 - fit.before)
         agreed = _agreement(fit.off, scale, options=odometry) >= odometry.lost_agreement
-        if not agreed or (away and not better):
+        if not agreed or (is_shifted and not better):
             yield "unclear"
         else:
-            yield "moves" if away else "rests"
+            yield "moves" if is_shifted else "rests"
 
 
 def framed(frame: TrackFrame, lens: Lens, options: TrackerOptions) -> bool:
@@ -253,18 +253,18 @@ class CameraTrajectory(RegisteredTrajectory):
         return CameraTrajectory(self._frames, some, self.options, self._lens, self._painted)
 
     def _registered(self, frame: TrackFrame) -> F64:
-        here = picture_of(frame, self._lens, options=self.options)
+        picture = picture_of(frame, self._lens, options=self.options)
         last = self._poses[-1]
         step = inverse(self._poses[-2]) @ last if len(self._poses) > 1 else np.eye(4)
-        fit = self._onto(here, self._last, [last @ step, last])
+        fit = self._onto(picture, self._last, [last @ step, last])
         if self._scale is None and np.isfinite(fit.scale).all():
             self._scale = fit.scale
         pose, lost = self._last.pose @ inverse(fit.T), self._lost(fit)
-        most = self.options.visual_odometry.keyframe_shift * max(here[-1].image.values.shape)
+        most = self.options.visual_odometry.keyframe_shift * max(picture[-1].image.values.shape)
         for key in self._keys:
             if key is self._last or not (lost or self._apart(key, pose) <= most):
                 continue
-            fit = self._onto(here, key, [key.pose] if lost else [pose, key.pose])
+            fit = self._onto(picture, key, [key.pose] if lost else [pose, key.pose])
             if fit.shift <= most and not self._lost(fit):
                 pose, lost = key.pose @ inverse(fit.T), False
                 break
@@ -274,12 +274,12 @@ class CameraTrajectory(RegisteredTrajectory):
         if lost:
             self.lost.add(self._order[len(self._poses)])
             return last
-        self._last = _Key(here, np.asarray(pose))
+        self._last = _Key(picture, np.asarray(pose))
         return self._last.pose
 
-    def _onto(self, here: list[Layer], key: _Key, hypotheses: list[F64]) -> Fit:
+    def _onto(self, picture: list[Layer], key: _Key, hypotheses: list[F64]) -> Fit:
         starts = [inverse(hypothesis) @ key.pose for hypothesis in hypotheses]
-        return motion_between(key.picture, here, self._lens, starts, options=self.options)
+        return motion_between(key.picture, picture, self._lens, starts, options=self.options)
 
     def _lost(self, fit: Fit) -> bool:
         """Return whether too few pixels agree."""

@@ -87,9 +87,9 @@ def lies_behind(
                 # Wrapping at image borders is harmless: these pixels are far from the object.
                 if other == cell or other < 0 or other >= len(image) or not own[other]:
                     continue
-                away = depths[i] - image[other]
-                like += abs(away) < rule.level
-                behind |= away > rule.behind and abs(row) < 2 and abs(column) < 2
+                difference = depths[i] - image[other]
+                like += abs(difference) < rule.level
+                behind |= difference > rule.behind and abs(row) < 2 and abs(column) < 2
         result[i] = behind and like <= rule.few
     return result
 
@@ -127,12 +127,12 @@ def _rim(cells: I32, depths: F32, image: F32, own: Mask, width: int, rule: Flyin
             for other in range(cells[i] + row - 1, cells[i] + row + 2):
                 if other == cells[i]:
                     continue
-                away = depths[i] - image[other]
+                difference = depths[i] - image[other]
                 if own[other]:
-                    touches |= abs(away) < rule.behind
-                    behind |= away > rule.behind
+                    touches |= abs(difference) < rule.behind
+                    behind |= difference > rule.behind
                 else:
-                    others += abs(away) < rule.level
+                    others += abs(difference) < rule.level
         result[i] = touches and not behind and others <= rule.few
     return result
 

@@ -112,9 +112,9 @@ def _join_around(
     column = int((at[grid.axes[1]] - grid.low[1]) / grid.size)
     low, high = max(column - steps, 0), min(column + steps, grid.across - 1)
     for other in range(max(row - steps, 0), min(row + steps, grid.along - 1) + 1):
-        for here in range(other * grid.across + low, other * grid.across + high + 1):
-            i = grid.start[here]
-            while i < ends[here]:
+        for cell in range(other * grid.across + low, other * grid.across + high + 1):
+            i = grid.start[cell]
+            while i < ends[cell]:
                 point, square = grid.order[left[i]], 0.0
                 for a in range(3):
                     square += (rest[point, a] - at[a]) ** 2
@@ -125,8 +125,8 @@ def _join_around(
                     joined[point] = True
                     order[count] = point
                     count += 1
-                ends[here] -= 1
-                left[i] = left[ends[here]]
+                ends[cell] -= 1
+                left[i] = left[ends[cell]]
     return count
 
 
@@ -137,8 +137,8 @@ def _beside(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int
     grid, count = columns(core, NONE, 0.0), 0
     for i in range(len(rest)):
         x, y, z = rest[i, 0], rest[i, 1], rest[i, 2]
-        away = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
-        if away < reach and any_near(grid, (x, y, z), (0.0, 0.0, 0.0), reach):
+        gap = max(lo[0] - x, x - hi[0], lo[1] - y, y - hi[1], lo[2] - z, z - hi[2])
+        if gap < reach and any_near(grid, (x, y, z), (0.0, 0.0, 0.0), reach):
             joined[i] = True
             order[count] = i
             count += 1

@@ -100,7 +100,7 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
     colour = view.colour(some)
     if track.has_colour_key and len(some):
-        others = ~(track.appearance.rather(colour) | track.distinct(colour))
+        others = ~(track.appearance.overrepresented(colour) | track.distinct(colour))
         some, colour = some[others], colour[others]
     track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)
 

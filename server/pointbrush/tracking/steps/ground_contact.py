@@ -104,5 +104,5 @@ def _within(view: View, points: I64, world: F64) -> I64:
         sides = ConvexHull(world[:, flat]).equations
     except QhullError:
         return _NONE
-    away = view.xyz[points][:, flat] @ sides[:, :2].T + sides[:, 2]
-    return np.asarray(points[(away <= 0.0).all(axis=1)])
+    distance = view.xyz[points][:, flat] @ sides[:, :2].T + sides[:, 2]
+    return np.asarray(points[(distance <= 0.0).all(axis=1)])

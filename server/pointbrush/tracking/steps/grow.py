@@ -377,5 +377,5 @@ def _may_be_a_hand(
 
 def _share_there(track: Track, view: View, new: I64, before: Mask) -> float:
     """Return the share of points ``new`` (M,) that were there ``before`` (M,); 0 if unknown."""
-    asked = track.other_movers.asked(view.xyz[new]) | track.has_colour_key
-    return float(before[asked].mean()) if asked.any() else 0.0
+    is_known = track.other_movers.in_searched_box(view.xyz[new]) | track.has_colour_key
+    return float(before[is_known].mean()) if is_known.any() else 0.0

@@ -141,8 +141,8 @@ def _may_be_changed(
 
 def _off(ahead: F64, at: F64) -> float:
     """Return the squared distance to the nearest prediction."""
-    away = ahead - at
-    return float(np.einsum("ij,ij->i", away, away).min())
+    offset = ahead - at
+    return float(np.einsum("ij,ij->i", offset, offset).min())
 
 
 def _look_alike(one: Track, other: Track) -> bool:

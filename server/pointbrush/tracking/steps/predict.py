@@ -253,8 +253,8 @@ class _Ghost:
 
     def meets(self, other: _Ghost, options: SearchOptions) -> bool:
         """Return whether the two are near each other."""
-        away = self.centre - other.centre
-        return float(away @ away) < (options.meeting_radii * (self.radius + other.radius)) ** 2
+        offset = self.centre - other.centre
+        return float(offset @ offset) < (options.meeting_radii * (self.radius + other.radius)) ** 2
 
 
 def _ghost(search: Search) -> _Ghost:
@@ -280,8 +280,8 @@ def _drop_theirs(
     room, other_room = spans(mine), spans(others)
     for i in range(len(xyz)):
         x, y, z = xyz[i, 0], xyz[i, 1], xyz[i, 2]
-        away = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
-        if drop[i] or max(away, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
+        gap = max(theirs.lo[0] - x, x - theirs.hi[0], theirs.lo[1] - y, y - theirs.hi[1])
+        if drop[i] or max(gap, theirs.lo[2] - z, z - theirs.hi[2]) > reach:
             continue
         tint = toned(others, colour, i)
         square, at = nearest_one(others, (x, y, z), tint, reach, other_room)

@@ -84,8 +84,8 @@ def nudges(model: Model, pose: F64, options: ProposalOptions) -> list[F64]:
     world = transform(pose, model.xyz)
     middle = world.mean(axis=0)
     axis, _ = _axis(world)
-    away = [middle + step * model.radius * axis for step in options.slide_radii]
-    slid = [_moved(pose, middle, there, AS_IT_WAS)[0] for there in away]
+    centres = [middle + step * model.radius * axis for step in options.slide_radii]
+    slid = [_moved(pose, middle, there, AS_IT_WAS)[0] for there in centres]
     return [*_moved(pose, middle, middle, _turns(options.turn_deg)), *slid]
 
 

@@ -79,7 +79,7 @@ def register(search: Search) -> Registered:
     motion = search.track.motion
     poses, scores = _repeated(search)
     doubt = options.doubt if search.track.rigid else options.doubt_body
-    doubtful = min(scores) > doubt and _asked(search)
+    doubtful = min(scores) > doubt and _retries_now(search)
     failed = False
     unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)
     if unknown or doubtful:
@@ -124,12 +124,12 @@ def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
     others = nudges(track.model, poses[best], track.options.propose)
     if track.motion.fresh and track.hand_sized:
         at = transform_each(poses, track.model.centre[None])[:, 0]
-        away = (
+        apart = (
             np.linalg.norm(at - at[best], axis=1)
             > search.options.register.other_place_radii * track.model.radius
         )
-        if away.any():
-            other = poses[np.argmin(np.where(away, scores, np.inf))]
+        if apart.any():
+            other = poses[np.argmin(np.where(apart, scores, np.inf))]
             others += nudges(track.model, other, track.options.propose)
     return others
 
@@ -167,7 +167,7 @@ def _hidden(search: Search, pose: F64) -> bool:
     return float(at.seen.mean()) < search.options.register.open_share * float(at.facing[0])
 
 
-def _asked(search: Search) -> bool:
+def _retries_now(search: Search) -> bool:
     """Return whether other places are tried in this frame.
 
     They are tried seldom for a slow object after a failed search, and always for moving objects.
@@ -203,8 +203,8 @@ def _likeliest(search: Search) -> I64:
     costs = search.costs
     order = np.argsort(costs, kind="stable")
     likely = order[costs[order] < options.try_next_ratio * costs[order[0]] + 1e-9]
-    away = search.at.world[likely] - search.at.world[order[0]]
-    apart = np.sqrt(np.einsum("kmi,kmi->km", away, away).max(axis=1))
+    offset = search.at.world[likely] - search.at.world[order[0]]
+    apart = np.sqrt(np.einsum("kmi,kmi->km", offset, offset).max(axis=1))
     others = likely[apart > options.same_pose_units * search.track.unit]
     return np.array([order[0], *others[:1]])
 
@@ -258,9 +258,9 @@ def _turns(at: F64, apart: float) -> I64:
             square = 0.0
             for a in range(3):
                 square += (places[k, a] - at[i, a]) ** 2
-            away = np.sqrt(square)
-            if away < least or (nearest < 0 and away == apart):
-                nearest, least = k, away
+            distance = np.sqrt(square)
+            if distance < least or (nearest < 0 and distance == apart):
+                nearest, least = k, distance
         if nearest < 0:
             places[count] = at[i]
             nearest = count
@@ -275,14 +275,14 @@ def _scores(search: Search, poses: F64) -> F64:
     options = search.options.register
     track = search.track
     at = look(track, search.view, search.few, poses, search.own)
-    away = search.at.facing[0] - at.facing
+    facing_loss = search.at.facing[0] - at.facing
     if search.view.lens is None:
-        away = search.at.seen[0].mean() - at.seen.mean(axis=1)
+        facing_loss = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
         costs_of(track, search.target, search.few, at, options.judged_units * track.unit)
         + _surprise(search, poses)
         + excess(at.world, search.target, track.unit, options)
-        + options.averted_cost * np.maximum(0.0, away)
+        + options.averted_cost * np.maximum(0.0, facing_loss)
     )
 
 

@@ -91,7 +91,7 @@ def _own(track: Track, associations: Associations) -> Registration | None:
     return None if _scrap(track, found) else found.registration
 
 
-def _away(track: Track, found: Association) -> float:
+def _prediction_distance(track: Track, found: Association) -> float:
     """Return the distance (m) of a found object from all its predictions."""
     at = transform(found.registration.pose, track.motion.centre[None])
     return float(np.linalg.norm(_expected(track) - at, axis=1).min())
@@ -99,13 +99,13 @@ def _away(track: Track, found: Association) -> float:
 
 def _beyond(track: Track, found: Association) -> bool:
     """Return whether a carried object was found beyond its carrier's arm length."""
-    return _away(track, found) > track.options.relocate.arm_m
+    return _prediction_distance(track, found) > track.options.relocate.arm_m
 
 
 def _scrap(track: Track, found: Association) -> bool:
     """Return whether too little of an object shows at a place far from its predictions."""
     return bool(
-        _away(track, found) > track.model.radius
+        _prediction_distance(track, found) > track.model.radius
         and len(found.claim.indices) < track.options.relocate.shown_far_share * track.size
     )
 
@@ -169,8 +169,8 @@ def _is_elsewhere(track: Track, fit: Registration, before: Registration | None) 
     """Return whether an object is at another place than ``before``, instead of only rotated."""
     if before is None:
         return True
-    here, there = (transform(at.pose, track.model.centre[None]) for at in (fit, before))
-    return float(np.linalg.norm(here - there)) > track.model.radius
+    place, former = (transform(at.pose, track.model.centre[None]) for at in (fit, before))
+    return float(np.linalg.norm(place - former)) > track.model.radius
 
 
 def _clusters(track: Track, view: View, points: I64) -> list[F64]:

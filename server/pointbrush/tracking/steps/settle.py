@@ -119,22 +119,22 @@ def settle(
     view: View,
     found: Association | None,
     given: LabelledPoints | None,
-    asked: TrackOptions,
+    track_options: TrackOptions,
     confidence_cap: float = 1.0,
 ) -> Outcome:
     """Judge the track in a frame by its points, and update it."""
     options = track.options.update
     if found is None or given is None:
         verdict = judge(track, view, None, None, None)
-        return Outcome(_unseen(track, None, verdict, asked), no_points())
+        return Outcome(_unseen(track, None, verdict, track_options), no_points())
     fit, claim = found.registration, given.claim
     verdict = judge(track, view, fit.pose, fit.world, claim)
     if not _seen(track, view, fit, verdict) or hides(track, view, fit, given, verdict.inliers):
-        return Outcome(_unseen(track, fit.pose, verdict, asked), no_points())
+        return Outcome(_unseen(track, fit.pose, verdict, track_options), no_points())
     track.frames_unseen = 0
     if track.scanned and view.eye is not None:
         at = transform(fit.pose, track.motion.centre[None])[0]
-        track.come_to(float(np.linalg.norm(at - view.eye)))
+        track.set_distance(float(np.linalg.norm(at - view.eye)))
     observation = Observation(view, fit, given, verdict)
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)
@@ -148,7 +148,7 @@ def settle(
         track.soft and fit.cost < options.motion_cost and verdict.inliers > options.reappear_share
     )
     if fit.cost < options.teach_cost or followed or not track.rigid:
-        learn(track, replace(observation, given=_lesson(track, observation)))
+        learn(track, replace(observation, given=_learnable_points(track, observation)))
     if fit.cost < options.teach_cost and track.rigid:
         remember(track.carving_views, view, fit.pose, fit.world)
     rmse = float(np.sqrt(np.mean(claim.gap**2))) if len(claim.gap) else 0.0
@@ -156,12 +156,14 @@ def settle(
     return Outcome(state, together(points, given.rim))
 
 
-def _unseen(track: Track, pose: F64 | None, verdict: Verdict, asked: TrackOptions) -> TrackState:
+def _unseen(
+    track: Track, pose: F64 | None, verdict: Verdict, track_options: TrackOptions
+) -> TrackState:
     """Update an object not seen in a frame at ``pose`` (4, 4); return its state."""
     track.frames_unseen += 1
     track.motion = track.motion.unseen()
     lost = track.frames_unseen > track.options.update.lost_frames
-    track.lost = lost and not asked.continue_lost
+    track.lost = lost and not track_options.continue_lost
     track.confidence = max(0.0, track.confidence - track.options.confidence.regain)
     state: State = "lost" if lost else "occluded"
     at = track.motion.poses[-1] if pose is None else pose
@@ -173,7 +175,7 @@ def _trust(
 ) -> None:
     """Update the confidence from this fit and earlier frames, with a maximum of ``cap``."""
     options, isolated = track.options, observation.given.isolated
-    here = likelihood(features, track.body, options=options.confidence)
+    likely = likelihood(features, track.body, options=options.confidence)
     if isolated and observation.fit.cost < options.update.teach_cost:
         more = features.cost - track.usual_cost
         track.usual_cost += options.update.usual_cost_rate * more
@@ -184,7 +186,7 @@ def _trust(
     )
     if track.astray:
         cap = min(cap, options.update.astray_confidence)
-    track.confidence = min(here, track.confidence + regain, cap)
+    track.confidence = min(likely, track.confidence + regain, cap)
 
 
 def _strays(track: Track, view: View, found: Association) -> bool:
@@ -219,20 +221,20 @@ def _move(track: Track, found: Association, verdict: Verdict) -> None:
         sure = track.large or fit.cost < options.motion_cost
         track.motion = track.motion.add(fit.pose, sure=sure)
     trusted = track.confidence >= track.options.smoothing.sure
-    if track.hand_sized and trusted and well_seen(track, verdict, track.last.points):
+    if track.hand_sized and trusted and is_clearly_visible(track, verdict, track.last.points):
         track.motion = track.motion.seen(track.unit)
 
 
-def well_seen(track: Track, verdict: Verdict, count: int) -> bool:
+def is_clearly_visible(track: Track, verdict: Verdict, count: int) -> bool:
     """Return whether a small object with ``count`` points is clear enough to decide if it rests.
 
     An object that turned or moved away has fewer points, but its motion is certain if visible.
     """
     options = track.options
     if track.motion.rests(track.unit):
-        return count > options.update.well_seen_share * track.size
+        return count > options.update.clear_share * track.size
     in_sight = (
-        verdict.visible > options.update.well_seen_share
+        verdict.visible > options.update.clear_share
         and verdict.inliers > options.update.reappear_share
     )
     return in_sight and count > options.track.hardly_share * track.size
@@ -279,7 +281,7 @@ def _worn(track: Track, colour: F32) -> bool:
     return bool(clear < options.carried_share * len(colour))
 
 
-def _lesson(track: Track, observation: Observation) -> LabelledPoints:
+def _learnable_points(track: Track, observation: Observation) -> LabelledPoints:
     """Return the points for the model to learn.
 
     New points explained by an unlabelled mover, or of new colours, are excluded: an object may be

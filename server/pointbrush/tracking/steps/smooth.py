@@ -69,9 +69,9 @@ class Held:
 class Smoother:
     """Last frames of a run, starting with the first one with an uncertain small object."""
 
-    def __init__(self, asked: TrackOptions, options: SmoothingOptions) -> None:
+    def __init__(self, track_options: TrackOptions, options: SmoothingOptions) -> None:
         self._held: list[Held] = []
-        self._asked, self._options = asked, options
+        self._track_options, self._options = track_options, options
 
     def relabel(self, earlier: Mapping[int, tuple[Mapping[int, I64], float]]) -> None:
         """Add points of recognised people to held frames; see ``JointTracking.recognised``."""
@@ -115,7 +115,7 @@ class Smoother:
     def _go_back(self, track: Track, new: Held, background: Background) -> None:
         """Track a copy of an object backward from a ``new`` frame through its uncertain frames."""
         label = track.label
-        again = replace(
+        track_copy = replace(
             track,
             model=deepcopy(track.model),
             motion=Motion(track.options.search, track.motion.centre, track.motion.poses[-1:]),
@@ -129,17 +129,17 @@ class Smoother:
             if known is None or known.state == "painted":  # where it was gone back from before
                 return
             cap = new.confidence_caps.get(label, 1.0)
-            outcome = _found_again(again, astray, held, background, cap, self._asked)
+            outcome = _find_backward(track_copy, astray, held, background, cap, self._track_options)
             self._held[at] = held.improve(label, outcome.state, outcome.points)
 
 
-def _found_again(
+def _find_backward(
     track: Track,
     astray: dict[int, int],
     held: Held,
     background: Background,
     confidence_cap: float,
-    asked: TrackOptions,
+    track_options: TrackOptions,
 ) -> Outcome:
     """Find an object in the unassigned points of an earlier frame, and update it.
 
@@ -157,7 +157,7 @@ def _found_again(
     associations = find_astray([track], astray, associations)
     grown = grow({label: track}, associations)
     found, given = associations.found.get(label), grown.labelled.get(label)
-    outcome = settle(track, view, found, given, asked, confidence_cap)
+    outcome = settle(track, view, found, given, track_options, confidence_cap)
     if found is not None and given is not None:
         fit, taken = found.registration, grown.taken
         taken[given.neutral] = True

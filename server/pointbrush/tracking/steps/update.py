@@ -107,23 +107,23 @@ def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     number = track.model.miss(observation.verdict.through)
     if not was_rigid:  # the claim refers to the deformed model
         number[:] = -1
-    again = _claimed_again(track, observation, number)
+    claim = _updated_claim(track, observation, number)
     if not given.isolated:
-        again = again.pick(again.cost < 2 * track.reach)
+        claim = claim.pick(claim.cost < 2 * track.reach)
     if not track.painted.flat:  # Ground beside known surface is no new surface.
-        again = again.pick(
-            ~view.low[again.indices]
-            | (again.gap < track.options.surface.new_spacings * track.model.spacing)
+        claim = claim.pick(
+            ~view.low[claim.indices]
+            | (claim.gap < track.options.surface.new_spacings * track.model.spacing)
         )
-    xyz = transform(back, view.xyz[again.indices].astype(np.float64))
-    colour = view.colour(again.indices)
+    xyz = transform(back, view.xyz[claim.indices].astype(np.float64))
+    colour = view.colour(claim.indices)
     # Objects scanned by a moving lidar show new sides and are not held.
     sure = track.distinct(colour) | (given.isolated or view.roams)
     own_eye = _eye_of(back, view)
-    track.model.gather(xyz, colour, again.gap, again.nearest, own_eye, sure)
+    track.model.gather(xyz, colour, claim.gap, claim.nearest, own_eye, sure)
 
 
-def _claimed_again(track: Track, observation: Observation, number: I64) -> Claim:
+def _updated_claim(track: Track, observation: Observation, number: I64) -> Claim:
     """Return the claim of the updated model on the object's points.
 
     Points keep their model point unless it was removed.  ``number`` (M,): new number of each model
@@ -175,7 +175,7 @@ def note_looseness(track: Track, observation: Observation) -> None:
 def note_strain(track: Track, observation: Observation) -> None:
     """Update the share of a small object that only bending explains."""
     options = track.options
-    if track.stiff and _asked(track, observation):
+    if track.stiff and _tests_bending(track, observation):
         most = (
             np.inf
             if track.size > options.track.dense_points
@@ -207,11 +207,11 @@ def strained(track: Track, observation: Observation) -> float:
     if off.mean() < options.strain.min_off_share:
         return 0.0
     moved = bent(track, world, colour, target)[off]
-    again = target.nearest(moved, colour[off], far)[0]
-    return float(np.count_nonzero(again < options.strain.on_units * track.unit) / len(off))
+    residual = target.nearest(moved, colour[off], far)[0]
+    return float(np.count_nonzero(residual < options.strain.on_units * track.unit) / len(off))
 
 
-def _asked(track: Track, observation: Observation) -> bool:
+def _tests_bending(track: Track, observation: Observation) -> bool:
     """Return whether to test in this frame if an object bends: seldom without evidence.
 
     A dense object fits well as long as it is stiff.
