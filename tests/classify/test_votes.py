@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pointbrush.classify.smoothing import smoothed, voted
+from pointbrush.classify.smoothing import average_over_pieces, smoothed
 
 ROOF, TREE = [0.95, 0.05], [0.05, 0.95]
 
@@ -22,8 +22,8 @@ def test_cells_between_others_keep_their_class_unless_they_are_in_doubt() -> Non
 
 def test_cells_of_a_piece_vote() -> None:
     chance = np.array([[0.9, 0.1], [0.8, 0.2], [0.45, 0.55], [0.2, 0.8]], np.float32)
-    out = voted(chance, np.array([0, 0, 0, 1], np.int32))
+    out = average_over_pieces(chance, np.array([0, 0, 0, 1], np.int32))
     assert out.sum(axis=1) == pytest.approx(np.ones(4))
     assert out[2, 0] > 0.5  # outvoted
     assert out[3] == pytest.approx(chance[3])
-    assert voted(chance, np.zeros(0, np.int32)).tolist() == chance.tolist()
+    assert average_over_pieces(chance, np.zeros(0, np.int32)).tolist() == chance.tolist()

@@ -31,7 +31,7 @@ from pointbrush.classify.options import (
     ForestOptions,
 )
 from pointbrush.classify.reliability import DEFAULT_ABOVE, HeldOut, Taught, reliability
-from pointbrush.classify.smoothing import Chances, smoothed, voted
+from pointbrush.classify.smoothing import Chances, average_over_pieces, smoothed
 from pointbrush.errors import BadInputError
 from pointbrush.exchange.npz import Arrays, checked, read_npz
 
@@ -208,7 +208,7 @@ class Classifier:
             count = len(self.classes)
             return np.full((len(place.center), count), 1 / count, np.float32)
         chance = smoothed(probabilities(self.trees, place.features), place.near)
-        return voted(chance, place.piece)
+        return average_over_pieces(chance, place.piece)
 
 
 def balanced(classes: NDArray[np.int64], most: int) -> NDArray[np.int64]:

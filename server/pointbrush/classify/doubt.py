@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.features import Described
 from pointbrush.classify.options import DoubtOptions
-from pointbrush.classify.smoothing import Chances, decided
+from pointbrush.classify.smoothing import Chances, likeliest_classes
 
 Floats = NDArray[np.float32]
 Cells = NDArray[np.int64]
@@ -54,7 +54,7 @@ def doubts(
     if not len(points):
         return []
     cells = place.of_point[_some(points, options.compared)]
-    margin = decided(chance)[1].astype(np.float64)
+    margin = likeliest_classes(chance)[1].astype(np.float64)
     best = two_best(chance)
     unsure = (1.0 - margin[cells]) * _rarity(best[cells], chance.shape[1], options)
     scale = np.where(spread > 0, spread, 1.0).astype(np.float32)
@@ -120,7 +120,7 @@ def confusions(
     """Return the points (K, K) in doubt between two classes, the first one lower, and the number
     (K,) of places in doubt of each class."""
     kinds = chance.shape[1]
-    best, margin = decided(chance)
+    best, margin = likeliest_classes(chance)
     cells = np.flatnonzero(open_ & (margin < UNSURE))
     order = np.sort(two_best(chance[cells]), axis=1)
     held = np.bincount(place.of_point, minlength=len(chance))[cells]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.forest import GROUPS, Trees, groups_of, learn, probabilities
 from pointbrush.classify.options import ForestOptions
-from pointbrush.classify.smoothing import Chances, decided
+from pointbrush.classify.smoothing import Chances, likeliest_classes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -102,7 +102,7 @@ def reliability(
     if measured < min(2, len(painted)) or not len(chance):
         unknown = tuple(HeldOut(None, number) for number in painted)
         return Reliability(None, unknown, DEFAULT_ABOVE)
-    best, margin = decided(chance)
+    best, margin = likeliest_classes(chance)
     votes = [probabilities(group, features).argmax(axis=1) == best for group in groups_of(trees)]
     agree = np.mean(votes, axis=0)
     found = []

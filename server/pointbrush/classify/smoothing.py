@@ -40,7 +40,7 @@ def smoothed(chance: Chances, near: NDArray[np.int32]) -> Chances:
 
 
 @compiled
-def voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
+def average_over_pieces(chance: Chances, piece: NDArray[np.int32]) -> Chances:
     """Move the chance (C, K) of each cell towards the mean of its ``piece`` (C,).
 
     Pieces count from 0; without pieces, ``piece`` is empty.
@@ -61,7 +61,7 @@ def voted(chance: Chances, piece: NDArray[np.int32]) -> Chances:
     return out
 
 
-def decided(chance: Chances) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+def likeliest_classes(chance: Chances) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """Return the likeliest class (C,), and how much likelier (C,), 0 to 1, than the next one."""
     if not len(chance):
         return np.zeros(0, np.int64), np.zeros(0, np.float32)
@@ -72,10 +72,10 @@ def decided(chance: Chances) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     return best, two[:, 1] - two[:, 0]
 
 
-def answered(
+def point_classes(
     chance: Chances, of_point: NDArray[np.int32]
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
     """Return the class (N,) of each point, from 1, and the confidence (N,) 0 to 255."""
-    best, margin = decided(chance)
+    best, margin = likeliest_classes(chance)
     sure = np.clip(margin * 255, 0, 255).astype(np.uint8)
     return (best + 1).astype(np.uint8)[of_point], sure[of_point]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.features import Described
-from pointbrush.classify.smoothing import Chances, voted
+from pointbrush.classify.smoothing import Chances, average_over_pieces
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.frames import level_rotation
 
@@ -54,7 +54,7 @@ def agreed(
     same = np.flatnonzero(np.isfinite(away))
     out = chance.copy()
     out[same] = (out[same] + said[np.asarray(near)[same]]) / 2
-    return voted(out, place.piece)
+    return average_over_pieces(out, place.piece)
 
 
 def _world_of(recording: Recording, frame: int) -> Floats:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.classify.classifier import Classifier, from_file, to_file
 from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models
-from pointbrush.classify.smoothing import Chances, answered
+from pointbrush.classify.smoothing import Chances, point_classes
 from pointbrush.errors import BadInputError
 from pointbrush.jobs.job import MESSAGE, Job
 from pointbrush.jobs.runner import Receiver
@@ -101,13 +101,13 @@ def predicted(
         voter = voter_of(model, recording, frame, options.whole_points)
         if voter is not None:
             chance = agreed(recording, frame, place, chance, voter, say)
-        kind, sure = answered(chance, place.of_point)
+        kind, sure = point_classes(chance, place.of_point)
         kind[ignored_cells(model, recording, frame, place, None)[place.of_point]] = 0
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
         place, chance = asked(example_frame(recording, frame, piece.members))
-        kind, sure = answered(chance, place.of_point)
+        kind, sure = point_classes(chance, place.of_point)
         kind[ignored_cells(model, recording, frame, place, piece.members)[place.of_point]] = 0
         inside = piece.inside
         yield (

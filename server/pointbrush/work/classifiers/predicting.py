@@ -13,7 +13,7 @@ from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.doubt import confusions
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import Model, Models
-from pointbrush.classify.smoothing import Chances, answered
+from pointbrush.classify.smoothing import Chances, point_classes
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence as Recording
@@ -76,7 +76,7 @@ class Predictor:
         ids = self._label_ids(recording.manifest.id, classifier)
         if labels is not None:
             chances = _only(chances, np.isin(ids[1:], list(labels)))
-        kind, sure = answered(chances, described.of_point)
+        kind, sure = point_classes(chances, described.of_point)
         if not classifier.ready:
             kind, sure = np.zeros_like(kind), np.zeros_like(sure)
         ignored = ignored_cells(classifier, recording, frame, described, numbers)

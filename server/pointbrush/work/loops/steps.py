@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from pointbrush.classify.features import ExampleFrame, describe, scale_of
 from pointbrush.classify.forest import learn, probabilities
 from pointbrush.classify.options import FeatureOptions, ForestOptions
-from pointbrush.classify.smoothing import smoothed, voted
+from pointbrush.classify.smoothing import average_over_pieces, smoothed
 from pointbrush.compiled import each_compiled, share_compiled
 from pointbrush.frame import PointFrame
 from pointbrush.samples import Recording, generate
@@ -110,7 +110,7 @@ def label_by_example() -> None:
     chosen = np.arange(len(place.center), step=20)
     classes, spread = chosen % 2, np.ones(place.features.shape[1])
     trees = learn(place.features[chosen], classes, 2, spread, ForestOptions(trees=2))
-    voted(smoothed(probabilities(trees, place.features), place.near), place.piece)
+    average_over_pieces(smoothed(probabilities(trees, place.features), place.near), place.piece)
 
 
 def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:
