@@ -61,17 +61,17 @@ def choose_levels(
         for other in flat:
             both = (masks[chain] & masks[other]) @ cells
             if (both < options.closest_flat * (size[chain] + size[other] - both)).all():
-                chain = _with(chain[: options.levels - 1], other)
+                chain = _with_candidate(chain[: options.levels - 1], other)
         return chain
     # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
     fresh = next((i for i in order if i != kept and alone[i]), kept)
     better = score[order[0]] > score[kept] + margin
     first, other = (order[0], kept) if better else (kept, fresh)
     chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
-    return _with(chain, other)
+    return _with_candidate(chain, other)
 
 
-def _with(chain: list[int], other: int) -> list[int]:
+def _with_candidate(chain: list[int], other: int) -> list[int]:
     """The same with another candidate after the first one, unless it is among them."""
     return chain if other in chain else [chain[0], other, *chain[1:]]
 
@@ -84,12 +84,14 @@ def _chain(
     for i in order:
         if len(chosen) == most:
             break
-        if all(_apart(masks, size, i, other, closest) for other in chosen):
+        if all(_is_clearly_larger(masks, size, i, other, closest) for other in chosen):
             chosen.append(i)
     return chosen
 
 
-def _apart(masks: Mask, size: NDArray[np.float64], i: int, other: int, closest: float) -> bool:
+def _is_clearly_larger(
+    masks: Mask, size: NDArray[np.float64], i: int, other: int, closest: float
+) -> bool:
     """Whether one of two candidates holds the other and is clearly larger."""
     small, large = (i, other) if size[i] < size[other] else (other, i)
     if size[small] > closest * size[large]:

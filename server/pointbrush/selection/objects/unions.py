@@ -74,19 +74,23 @@ def find_unions(
     """
     n, most = state.piece_count, options.times
     nothing = np.zeros(n, np.bool_)
-    found = [_over_times(state, wanted.piece, unwanted.piece, most, nothing, Origin.TREE)]
+    found = [_across_merge_times(state, wanted.piece, unwanted.piece, most, nothing, Origin.TREE)]
     if state.sensor in options.growing:
-        found.append(_grown(state, wanted.piece, unwanted.piece, model, options))
+        found.append(_grown_regions(state, wanted.piece, unwanted.piece, model, options))
         found.append(_plane(state, wanted.piece, unwanted.piece))
     if taken is not None:
         if len(taken.missed):
             found.append(
-                _over_times(state, taken.missed, unwanted.piece, most, taken.pieces, Origin.ADDED)
+                _across_merge_times(
+                    state, taken.missed, unwanted.piece, most, taken.pieces, Origin.ADDED
+                )
             )
         if len(taken.surplus):
-            less = _over_times(state, taken.surplus, wanted.piece, most, nothing, Origin.REMOVED)
+            less = _across_merge_times(
+                state, taken.surplus, wanted.piece, most, nothing, Origin.REMOVED
+            )
             found.append(replace(less, masks=taken.pieces & ~less.masks))
-    every = _once(_joined(found))
+    every = _without_repeats(_joined(found))
     if taken is None:
         return every
     zero = np.zeros(1)
@@ -103,7 +107,7 @@ def _joined(parts: list[Unions]) -> Unions:
     )
 
 
-def _once(unions: Unions) -> Unions:
+def _without_repeats(unions: Unions) -> Unions:
     """Return the unions without repeated masks; the first one stays."""
     first: dict[bytes, int] = {}
     for i, packed in enumerate(np.packbits(unions.masks, axis=1)):
@@ -112,7 +116,7 @@ def _once(unions: Unions) -> Unions:
     return Unions(unions.masks[kept], unions.made[kept], unions.ended[kept], unions.origin[kept])
 
 
-def _over_times(
+def _across_merge_times(
     state: ObjectState, seeds: Ints, blocked: Ints, most: int, base: Mask, origin: Origin
 ) -> Unions:
     """Return unions, over merge times, of each seed's largest node without blocked pieces."""
@@ -130,10 +134,10 @@ def _over_times(
     score = state.score.astype(np.float64)
     made = np.where(times[kept] < len(base), MOST_ODDS, np.minimum(score[times[kept]], MOST_ODDS))
     masks = _masks(state.parent, reached[kept], len(base)) | base
-    return Unions(masks, made, _after(state, reached[kept]), np.full(len(kept), origin))
+    return Unions(masks, made, _next_merge_odds(state, reached[kept]), np.full(len(kept), origin))
 
 
-def _grown(
+def _grown_regions(
     state: ObjectState, seeds: Ints, blocked: Ints, model: Forest, options: LadderOptions
 ) -> Unions:
     """Return regions grown from the seeds: per range of sizes the one least likely to grow."""
@@ -147,7 +151,7 @@ def _grown(
     order, odds = grow_region(pieces, seeds, barred, state.size**2, model, options.grown)[:2]
     size = leaves[seeds, sums.COUNT].sum() + np.append(0.0, np.cumsum(leaves[order, sums.COUNT]))
     made, ended = np.append(MOST_ODDS, odds), np.append(odds, -MOST_ODDS)
-    kept = _settled(size, ended, options.grown_kept)
+    kept = _stable_sizes(size, ended, options.grown_kept)
     masks = np.zeros((len(kept), count), np.bool_)
     masks[:, seeds] = True
     for row, added in zip(masks, kept.tolist(), strict=True):
@@ -167,7 +171,7 @@ def _plane(state: ObjectState, seeds: Ints, blocked: Ints) -> Unions:
     return Unions(masks, odds, -odds, np.full(len(masks), Origin.PLANE))
 
 
-def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -> Ints:
+def _stable_sizes(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -> Ints:
     """Return ascending indices of at most ``most`` sizes, with the least ``ended`` of each step."""
     if size[-1] <= size[0]:
         return np.zeros(1, np.int64)
@@ -177,7 +181,7 @@ def _settled(size: NDArray[np.float64], ended: NDArray[np.float64], most: int) -
     return np.sort(order[first])
 
 
-def _after(state: ObjectState, reached: Ints) -> NDArray[np.float64]:
+def _next_merge_odds(state: ObjectState, reached: Ints) -> NDArray[np.float64]:
     """Return the maximum log odds (n,) of the next merges of the nodes, -8 for none."""
     parents = state.parent[reached].astype(np.int64)
     odds = np.where(parents >= 0, state.score[np.maximum(parents, 0)], -8.0)
