@@ -18,7 +18,7 @@ from staged_people import (
     staged_person,
 )
 
-from pointbrush.tracking.people.arrivals import exchange, exchanged
+from pointbrush.tracking.people.arrivals import find_exchanged_people, restore_exchanged_people
 from pointbrush.tracking.people.group import Group, astray
 
 
@@ -74,7 +74,7 @@ def test_who_changed_places_are_changed_back_when_their_clothes_tell(
         assert observation.owner[0] == 1
         assert bool(one.identity.doubts) == (told and now > 10)
         one.last_clear = two.last_clear = now - 1
-        exchange(observation, [one, two], now)
+        restore_exchanged_people(observation, [one, two], now)
     assert observation.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.label == (2 if told else 1)
     him = two if told else one
@@ -88,7 +88,7 @@ def test_who_changed_places_are_changed_back_when_their_statures_tell(
     one, two = as_tall(1, 0.0, 0.0), as_tall(2, 1.0, other)
     observation = staged(body(0.0, RED, other), body(1.0, RED, 0.0), coloured=False)
     observation.owner[:] = np.repeat([1, 2], 30)
-    exchange(observation, [one, two], 10)
+    restore_exchanged_people(observation, [one, two], 10)
     assert observation.owner[[0, 30]].tolist() == ([2, 1] if told else [1, 2])
     assert one.identity.stature.tops[0] == (other if told else 0.0)
 
@@ -102,11 +102,11 @@ def test_who_is_doubted_and_as_tall_as_somebody_new_without_a_label_is_he(doubte
     observation.owner[:] = np.repeat([1, -1], 30)
     for now in range(10, 10 + OPTIONS.arrivals.exchange_frames):
         one.last_clear = stranger.last_clear = now
-        exchange(observation, [one, stranger], now)
+        restore_exchanged_people(observation, [one, stranger], now)
     assert observation.owner[[0, 30]].tolist() == ([-1, 1] if doubted else [1, -1])
     # Who was there while he was surely himself is not he.
     one.identity.sure = 8
-    assert not list(exchanged(observation, [one, stranger], 10))
+    assert not list(find_exchanged_people(observation, [one, stranger], 10))
 
 
 def test_who_is_as_tall_as_another_is_doubted_until_he_is_as_tall_as_himself() -> None:

@@ -14,7 +14,7 @@ from pointbrush.tracking import FrameResult
 from pointbrush.tracking.model.appearance import ColourHistogram
 from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
+from pointbrush.tracking.people.bodies import has_own_colours, reappearing_points, undisputed
 from pointbrush.tracking.people.foreground import Foreground
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.view import View
@@ -187,12 +187,12 @@ def test_who_comes_out_of_hiding_is_known_by_their_clothes(passing: list[scenes.
     track.frames_unseen = 3
     last = passing[-1]
     view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
-    found = reclaim(view, {2: track}, np.flatnonzero(last.truth > 0))[2]
+    found = reappearing_points(view, {2: track}, np.flatnonzero(last.truth > 0))[2]
     assert overlap(found, last.truth == 2) > 0.7
     assert not (last.truth[found] == 1).any()
-    assert not reclaim(view, {2: track}, np.flatnonzero(last.truth == 1))
-    assert not reclaim(view, {2: track}, np.empty(0, np.int64))
-    assert not reclaim(view, {}, np.flatnonzero(last.truth > 0))
+    assert not reappearing_points(view, {2: track}, np.flatnonzero(last.truth == 1))
+    assert not reappearing_points(view, {2: track}, np.empty(0, np.int64))
+    assert not reappearing_points(view, {}, np.flatnonzero(last.truth > 0))
 
 
 @pytest.mark.parametrize(("noise", "large"), [(0.005, True), (0.05, True), (0.2, False)])
@@ -210,8 +210,8 @@ def test_one_is_not_taken_for_another_by_what_the_other_wears(passing: list[scen
     view = View(1, last, find_lens(last, options=OPTIONS), options=OPTIONS)
     for label in (1, 2):
         seen = np.flatnonzero(last.truth == label)
-        assert recognised(label, tracks, view, seen)
-        assert not recognised(3 - label, tracks, view, seen)
+        assert has_own_colours(label, tracks, view, seen)
+        assert not has_own_colours(3 - label, tracks, view, seen)
 
 
 def test_what_somebody_will_uncover_is_scenery_from_the_first_frame_on() -> None:

@@ -92,7 +92,7 @@ def test_who_shows_scraps_alone_in_the_second_frame_may_be_elsewhere() -> None:
     for person in run.people.group.people:
         scraps = staged(body(0.0, RED))
         scraps.owner[:2] = person.label
-        assert person.elsewhere(scraps, 1)
+        assert person.may_be_elsewhere(scraps, 1)
 
 
 def test_scraps_are_not_where_somebody_was_well_seen() -> None:

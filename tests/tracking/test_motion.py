@@ -22,7 +22,7 @@ def flight(i: int) -> np.ndarray:
 
 def test_free_flight_with_spin_is_predicted() -> None:
     motion = Motion(OPTIONS.search, np.zeros(3))
-    assert motion.fresh
+    assert motion.is_unknown
     for i in range(1, 4):
         motion = motion.add(flight(i))
     assert np.allclose(motion.predictions[0], flight(4))

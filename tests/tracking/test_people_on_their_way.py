@@ -69,7 +69,7 @@ def test_what_somebody_carries_goes_along_with_them_while_it_is_hidden(
     )
     person = SimpleNamespace(state=SimpleNamespace(state="tracked"), points=theirs)
     before = bag.motion.place
-    tracking.carry(view, cast(dict[int, Outcome], {1: seen, 2: person}))
+    tracking.update_carriers(view, cast(dict[int, Outcome], {1: seen, 2: person}))
     bearer.xyz = bearer.xyz + [0.4, 0.0, 0.1]
-    tracking.carry(view, cast(dict[int, Outcome], {1: hidden, 2: person}))
+    tracking.update_carriers(view, cast(dict[int, Outcome], {1: hidden, 2: person}))
     assert np.allclose(bag.motion.place - before, np.multiply([0.4, 0.0, 0.1], along))

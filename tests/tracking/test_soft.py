@@ -130,7 +130,7 @@ def test_what_one_frame_alone_says_makes_nothing_soft(monkeypatch: pytest.Monkey
     found = claim(view, mine, xyz, track.model.colour, 0.0, track.reach)
     verdict = Verdict(True, 1.0, 1.0, none, none, 1.0)
     observation = Observation(view, place, LabelledPoints(found), verdict)
-    monkeypatch.setattr(bending, "strained", lambda *_: 0.5)  # a wrong pose
+    monkeypatch.setattr(bending, "bent_share", lambda *_: 0.5)  # a wrong pose
     bending.note_strain(track, observation)
     assert not track.soft
     for _ in range(6):
@@ -182,7 +182,7 @@ def test_the_rim_of_what_is_half_hidden_does_not_make_it_soft() -> None:
     place, found, verdict = found_where_it_was(track, view, mine)
     assert np.count_nonzero(~verdict.hidden) > 100
     assert (
-        bending.strained(track, Observation(view, place, LabelledPoints(found), verdict))
+        bending.bent_share(track, Observation(view, place, LabelledPoints(found), verdict))
         < OPTIONS.track.soft_strain
     )
 

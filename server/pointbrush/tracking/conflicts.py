@@ -9,7 +9,7 @@ import numpy as np
 
 from pointbrush.tracking.interface import I64
 from pointbrush.tracking.model.track import Track
-from pointbrush.tracking.people.bodies import reclaim, recognised, undisputed
+from pointbrush.tracking.people.bodies import has_own_colours, reappearing_points, undisputed
 from pointbrush.tracking.scene.depth import Background
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations, LabelledPoints
@@ -24,14 +24,12 @@ def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) ->
     view, options = associations.view, associations.view.options.relocate
     found, before = dict(associations.found), associations.claims
     claims = undisputed(before, tracks, options=view.options.body)
-    decided = decide(len(view.xyz), claims)
-    for label in sorted(
-        found, key=lambda n: len(decided[n].indices) / (len(before[n].indices) + 1)
-    ):
-        kept, all_ = len(decided[label].indices), len(before[label].indices)
+    owned = decide(len(view.xyz), claims)
+    for label in sorted(found, key=lambda n: len(owned[n].indices) / (len(before[n].indices) + 1)):
+        kept, all_ = len(owned[label].indices), len(before[label].indices)
         if kept >= options.kept_share * all_:
             continue
-        others = [claim for other, claim in decided.items() if other != label]
+        others = [claim for other, claim in owned.items() if other != label]
         left = without(associations.free, others)
         search = crop(tracks[label], view, associations.background, left)
         if search is None:
@@ -44,12 +42,12 @@ def settle_conflicts(tracks: Mapping[int, Track], associations: Associations) ->
         anothers = kept < options.others_share * all_ and cheaper
         gain = options.others_share if anothers else options.gain
         if len(better[label].indices) > gain * kept:
-            decided, claims, found[label] = better, relocated, elsewhere
+            owned, claims, found[label] = better, relocated, elsewhere
     settled = {
         label: replace(
             one,
-            claim=decided[label],
-            undisputed=len(decided[label].indices) / max(len(claims[label].indices), 1),
+            claim=owned[label],
+            undisputed=len(owned[label].indices) / max(len(claims[label].indices), 1),
         )
         for label, one in found.items()
     }
@@ -95,7 +93,7 @@ def _surely(
     if float((background.reappearing_labels(view, points) == label).mean()) > options.shown_share:
         return True
     certain = float(background.certain(view, points).mean()) > options.shown_share
-    return certain and recognised(label, tracks, view, points)
+    return certain and has_own_colours(label, tracks, view, points)
 
 
 def bodies_left(
@@ -116,4 +114,4 @@ def bodies_left(
     for found in labelled.values():
         left[found.points] = False
     moving = moving[left[moving] & associations.background.certain(view, moving)]
-    return reclaim(view, {label: tracks[label] for label in loose}, moving)
+    return reappearing_points(view, {label: tracks[label] for label in loose}, moving)

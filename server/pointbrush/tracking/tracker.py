@@ -33,7 +33,7 @@ from pointbrush.tracking.interface import (
 )
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.options import TrackerOptions
-from pointbrush.tracking.people.bodies import entered, hang_together
+from pointbrush.tracking.people.bodies import entering_bodies, keep_connected
 from pointbrush.tracking.people.group import JointTracking
 from pointbrush.tracking.permissions import FEWEST, Companions, FrameRules
 from pointbrush.tracking.scene.depth import Background
@@ -41,7 +41,11 @@ from pointbrush.tracking.scene.scene import Scene
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Associations
 from pointbrush.tracking.steps.claim import together
-from pointbrush.tracking.steps.context import note_beside, set_other_movers_around, tell_apart
+from pointbrush.tracking.steps.context import (
+    set_other_movers_around,
+    store_other_movers,
+    update_distinct_colours,
+)
 from pointbrush.tracking.steps.ground_contact import with_ground
 from pointbrush.tracking.steps.grow import grow
 from pointbrush.tracking.steps.identity import Swaps
@@ -55,7 +59,12 @@ from pointbrush.tracking.steps.results import (
 )
 from pointbrush.tracking.steps.settle import Outcome, settle
 from pointbrush.tracking.steps.smooth import Held, Smoother
-from pointbrush.tracking.steps.update import begin_anew, begin_label, corrected, withheld
+from pointbrush.tracking.steps.update import (
+    begin_label,
+    correct_track,
+    positions_to_exclude,
+    restart_track,
+)
 
 
 @dataclass(frozen=True)
@@ -146,7 +155,7 @@ class Run:
         view.labels = {seed.label: np.sort(seed.indices) for seed in seeds}
         for seed in seeds:
             self._begin(view, seed.label, np.sort(seed.indices))
-        tell_apart(self.tracks, view, self.tracks)
+        update_distinct_colours(self.tracks, view, self.tracks)
         self.scene.learn_first(survey=any(track.large for track in self.tracks.values()))
         self.people.gather(view, self.background, self.tracks)
         view.people = self.people.labels
@@ -170,9 +179,9 @@ class Run:
         smoother = Smoother(self.track_options, self.options.smoothing)
         for number in order:
             new = self.step(number)
-            smoother.relabel(self.people.recognised())
+            smoother.relabel(self.people.pop_recognised())
             yield from smoother.take(new, self.tracks, self.background, self.people.pending)
-        yield from smoother.rest()
+        yield from smoother.flush()
 
     def step(self, number: int, given: Mapping[int, I64] | None = None) -> Held:
         """Track all labels into the next frame; ``given``: known points by label."""
@@ -225,9 +234,9 @@ class Run:
         associations = associated.associations
         grown = grow(self.tracks, associations)
         labelled = grown.labelled
-        labelled |= hang_together(self.tracks, associations, labelled, grown.taken)
+        labelled |= keep_connected(self.tracks, associations, labelled, grown.taken)
         emerged = bodies_left(associated.hidden, self.tracks, associations, labelled)
-        emerged |= entered(self.tracks, associations, labelled)
+        emerged |= entering_bodies(self.tracks, associations, labelled)
         return FrameClaims(labelled, emerged)
 
     def _judge(
@@ -245,7 +254,7 @@ class Run:
         for points in chain((each.points for each in outcomes.values()), claims.emerged.values()):
             left[points] = False
         outcomes |= self.people.step(frame.view, self.background, left, frame.fixed)
-        self.people.carry(frame.view, outcomes)
+        self.people.update_carriers(frame.view, outcomes)
         return FrameOutcomes(outcomes, claims.emerged)
 
     def _manage(
@@ -258,7 +267,7 @@ class Run:
         for label in frame.fixed.keys() - self.tracks.keys():
             self._begin(view, label, frame.fixed[label])
             states[label] = _painted(len(frame.fixed[label]), np.eye(4))
-            tell_apart(self.tracks, view, [label])
+            update_distinct_colours(self.tracks, view, [label])
             self.people.join(view, self.background, label)
         if self._watch is not None:
             fits = associated.associations.registrations
@@ -277,8 +286,8 @@ class Run:
     ) -> Held:
         """Update the background and each track's surroundings; return the frame's result."""
         view, fits = frame.view, associated.associations.registrations
-        note_beside(self.tracks, view, associated.associations, claims.labelled)
-        self.background.learn(view, keep=withheld(self.tracks, fits, view))
+        store_other_movers(self.tracks, view, associated.associations, claims.labelled)
+        self.background.learn(view, keep=positions_to_exclude(self.tracks, fits, view))
         found = with_ground(view, self.tracks, fits, frame.free)
         found = {n: points for n, points in found.items() if n in states}
         states |= {n: replace(states[n], points=len(points)) for n, points in found.items()}
@@ -342,7 +351,7 @@ class Run:
     def _repainted(self, track: Track, view: View, points: I64) -> TrackState:
         """Update a track from painted points, or restart it if its model does not fit them."""
         self.swaps.forget(track.label)
-        pose = None if track.label in self.people else corrected(track, view, points)
+        pose = None if track.label in self.people else correct_track(track, view, points)
         if pose is None:
             return self._begin_anew(track, view, points)
         world = transform(pose, track.model.xyz)
@@ -351,7 +360,7 @@ class Run:
 
     def _begin_anew(self, track: Track, view: View, points: I64) -> TrackState:
         noise = self.scene.noise(view, points)
-        pose = begin_anew(self.tracks, view, track.label, points, noise)
+        pose = restart_track(self.tracks, view, track.label, points, noise)
         self.astray.pop(track.label, None)
         return _painted(len(points), pose)
 

@@ -66,8 +66,8 @@ class Motion:
         return self.poses[-1] if self.rested is None else self.rested
 
     @property
-    def fresh(self) -> bool:
-        """Whether its motion is still unknown."""
+    def is_unknown(self) -> bool:
+        """Whether it is still unknown, for want of frames."""
         return len(self.poses) < 3
 
     @cached_property
@@ -83,7 +83,7 @@ class Motion:
         return self._at(-1)
 
     @property
-    def even(self) -> F64:
+    def extrapolated_place(self) -> F64:
         """(3,) predicted position of the centre if its last step is repeated."""
         place = self._at(-1)
         return place if len(self.poses) < 2 else place + self.gap * (place - self._at(-2))

@@ -17,7 +17,7 @@ from pointbrush.tracking.people.person import Person
 from pointbrush.tracking.people.stature import beneath_heads, ratio, top_of
 
 
-def exchanged(
+def find_exchanged_people(
     observation: PersonObservation, people: Sequence[Person], now: int
 ) -> Iterator[tuple[Person, Person, bool]]:
     """Yield exchanged pairs of people, by clothes or stature of each other.
@@ -48,7 +48,9 @@ def exchanged(
             and clothes_log_ratio > -options.arrivals.exchange_log
         )
         certain = by_stature and min(stature_log_odds) >= options.stature.decisive_log_odds
-        both_visible = not (one.elsewhere(observation, now) or other.elsewhere(observation, now))
+        both_visible = not (
+            one.may_be_elsewhere(observation, now) or other.may_be_elsewhere(observation, now)
+        )
         if min(cross) > -options.body.clearly_log and (
             certain or (both_visible and (by_clothes or by_stature))
         ):
@@ -60,9 +62,11 @@ def _may_have_taken(person: Person, stranger: Person) -> bool:
     return bool(person.identity.doubts) and stranger.since > person.identity.sure
 
 
-def exchange(observation: PersonObservation, people: Sequence[Person], now: int) -> None:
+def restore_exchanged_people(
+    observation: PersonObservation, people: Sequence[Person], now: int
+) -> None:
     """Restore exchanged people, and doubt pairs that are not certain yet."""
-    pairs = list(exchanged(observation, people, now))
+    pairs = list(find_exchanged_people(observation, people, now))
     for person in people:
         if not any(person in pair[:2] for pair in pairs):
             person.exchanged_frames = 0
@@ -97,7 +101,7 @@ def return_missing_people(
 
     Returns the numbers of unlabelled people that were identified as one of them.
     """
-    gone = [f for f in people if f.named and f.elsewhere(observation, now)]
+    gone = [f for f in people if f.named and f.may_be_elsewhere(observation, now)]
     offers = _offers(observation, people, gone, usual, now) if gone else []
     ranked = _ranked(observation, gone, offers, now)
     found: set[int] = set()
@@ -111,12 +115,12 @@ def return_missing_people(
         found.add(label)
         given.add(number)
         cells, other, rest = offers[number]
-        taken = _taken(observation, cells, other, young)
+        taken = _offered_bodies(observation, cells, other, young)
         person = next(f for f in gone if f.label == label)
         if other is not None and not other.named:
             gone_on.add(other.label)
             if person.at_side and person.frames_unseen:
-                _return_as(observation, person, other, cells, now)
+                _adopt_newcomer(observation, person, other, cells, now)
         observation.owner[observation.owner == label] = 0
         observation.owner[taken] = label
         person.frames_unseen = max(person.frames_unseen, 1)
@@ -133,7 +137,7 @@ def _ranked(
     for person in gone:
         for number, (cells, other, rest) in enumerate(offers):
             cost = None
-            if _may_be(person, other) and _may_return(observation, person, other, cells, now):
+            if _is_candidate(person, other) and _may_return(observation, person, other, cells, now):
                 cost = _cost(observation, person, cells, other, now)
             if cost is not None:
                 if other is not None and rest is not None:
@@ -142,7 +146,7 @@ def _ranked(
     return sorted(ranked)
 
 
-def _taken(
+def _offered_bodies(
     observation: PersonObservation, cells: I64, other: Person | None, young: Sequence[int]
 ) -> Mask:
     """Return a mask (N,) of offered cells with the rest of their bodies.
@@ -160,7 +164,7 @@ def _taken(
     return taken
 
 
-def _may_be(person: Person, other: Person | None) -> bool:
+def _is_candidate(person: Person, other: Person | None) -> bool:
     """Return whether an untracked body, or one of an ``other`` person, may be a missing person.
 
     An unlabelled person that was there while the missing one was visible is excluded.
@@ -197,8 +201,8 @@ def _return_odds(
     """
     options, tops = observation.options.arrivals, newcomer.identity.stature.tops
     seconds = (newcomer.since - (now - 1 - person.frames_unseen)) / observation.fps
-    entered = np.median(newcomer.xyz, axis=0) - newcomer.displacement
-    distance = float(np.linalg.norm((entered - np.median(person.known, axis=0)) @ observation.flat))
+    entry = np.median(newcomer.xyz, axis=0) - newcomer.displacement
+    distance = float(np.linalg.norm((entry - np.median(person.known, axis=0)) @ observation.flat))
     soon = np.exp(-seconds / options.return_seconds - 0.5 * (distance / options.return_m) ** 2)
     odds = options.return_soon_log * soon - options.return_log_odds
     if tops:
@@ -206,7 +210,7 @@ def _return_odds(
     return float(odds + options.return_clothes_weight * person.likeness(observation.some(cells)))
 
 
-def _return_as(
+def _adopt_newcomer(
     observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
 ) -> None:
     """Take over what was seen of a recognised ``newcomer``, who may be another person."""
@@ -236,7 +240,7 @@ def _offers(
             offers.append((cells, person, None))
     if observation.tints is not None:
         for person in (f for f in gone if f.last_clear < now - options.missing_frames):
-            offers += _dressed_as(observation, people, person, usual)
+            offers += _parts_with_clothes(observation, people, person, usual)
     for person in (f for f in people if f.named):
         least = max(options.back_min_cells, options.part_share * usual)
         two = beneath_heads(observation, observation.cells_of(person.label), least, person.area)
@@ -261,7 +265,7 @@ def _rest_cost_margin(
     return cost(rest) - cost(cells)
 
 
-def _dressed_as(
+def _parts_with_clothes(
     observation: PersonObservation, people: Sequence[Person], who: Person, usual: float
 ) -> list[Offer]:
     """Return parts of other people with the clothes of a missing person instead of their own."""
@@ -327,7 +331,7 @@ def relative_distance(
     reach = options.back_m + options.back_m_per_frame * min(
         max(now - 1 - person.last_clear, 0), options.back_max_frames
     )
-    return _least(there, observation.cells.middle[cells]) / reach
+    return _minimum_distance(there, observation.cells.middle[cells]) / reach
 
 
 def confusable_people(
@@ -337,7 +341,9 @@ def confusable_people(
     cells = observation.cells_of(person.label)
     if not len(cells):
         return []
-    missing = [f for f in people if f.named and f is not person and f.elsewhere(observation, now)]
+    missing = [
+        f for f in people if f.named and f is not person and f.may_be_elsewhere(observation, now)
+    ]
     some = observation.some(cells) if missing else None
     top = person.top(observation) if missing else None
     missing = [f for f in missing if not rules_out(some, top, person, f)]
@@ -380,7 +386,7 @@ def newcomers(
         if owner is None and len(cells) >= max(
             options.arrivals.min_cells, options.arrivals.min_share * usual
         ):
-            owner = _beside(observation, [*people, *fresh], cells)
+            owner = _adjacent_newcomer(observation, [*people, *fresh], cells)
             if owner is None:
                 owner = lowest - 1 - len(fresh)
                 some = observation.some(cells)
@@ -424,7 +430,9 @@ def _surrounding_person(
     return middles[best][0].label
 
 
-def _beside(observation: PersonObservation, people: Sequence[Person], cells: I64) -> int | None:
+def _adjacent_newcomer(
+    observation: PersonObservation, people: Sequence[Person], cells: I64
+) -> int | None:
     """Return the number of an unlabelled person adjacent to a body."""
     for person in people:
         own = observation.owner == person.label
@@ -437,7 +445,7 @@ def _beside(observation: PersonObservation, people: Sequence[Person], cells: I64
     return None
 
 
-def merge(observation: PersonObservation, people: Sequence[Person], now: int) -> set[int]:
+def merge_newcomers(observation: PersonObservation, people: Sequence[Person], now: int) -> set[int]:
     """Return the numbers of new unlabelled people that are parts of a just returned person."""
     options = observation.options.arrivals
     gone: set[int] = set()
@@ -464,9 +472,9 @@ def merge(observation: PersonObservation, people: Sequence[Person], now: int) ->
 
 def _gap(observation: PersonObservation, one: I64, other: I64) -> float:
     """Return the distance (m) between two bodies."""
-    return _least(observation.cells.middle[one], observation.cells.middle[other])
+    return _minimum_distance(observation.cells.middle[one], observation.cells.middle[other])
 
 
-def _least(one: F64, other: F64) -> float:
+def _minimum_distance(one: F64, other: F64) -> float:
     gap, _ = cKDTree(one).query(other)
     return float(np.min(gap))

@@ -23,7 +23,7 @@ from pointbrush.tracking.steps.claim import Claim
 from pointbrush.tracking.steps.context import step_of
 
 
-def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I64]:
+def reappearing_points(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I64]:
     """Return the points by label of large ``tracks`` that reappear from behind other objects.
 
     ``moving``: unexplained foreground points.  Each connected body is assigned to the object with
@@ -49,7 +49,7 @@ def reclaim(view: View, tracks: Mapping[int, Track], moving: I64) -> dict[int, I
     return found
 
 
-def entered(
+def entering_bodies(
     tracks: Mapping[int, Track], associations: Associations, labelled: Mapping[int, LabelledPoints]
 ) -> dict[int, I64]:
     """Return by label the bodies of people of whom only a small part was painted at an edge.
@@ -115,7 +115,7 @@ def _alike_bodies(
             yield track.appearance.likeness(colour) - edge, number, points
 
 
-def recognised(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
+def has_own_colours(label: int, tracks: Mapping[int, Track], view: View, points: I64) -> bool:
     """Return whether the colours of ``points`` fit an object, and fit it better than others."""
     options = view.options
     colour = view.colour(points[:: _step(len(points), options=options.body)])
@@ -153,7 +153,7 @@ def undisputed(
     return result
 
 
-def hang_together(
+def keep_connected(
     tracks: Mapping[int, Track],
     associations: Associations,
     labelled: Mapping[int, LabelledPoints],
@@ -192,7 +192,7 @@ def hang_together(
     spread = foreground.spread(seeds, ~inside[every], other[every], sure, far, clothes)
     movers = np.zeros(len(view.xyz), np.bool_)
     movers[every[spread == OTHER]] = True
-    found = {n: _taken_over(view, labelled[n], every[spread == n]) for n in cores}
+    found = {n: _restricted_to(view, labelled[n], every[spread == n]) for n in cores}
     owned = taken.copy()
     for one in found.values():
         owned[one.points] = True
@@ -239,7 +239,7 @@ def _others(
             tracks[label].other_movers, scene, associations.view.options.body.scene_cells * size
         )
         fit = associations.found[label].registration
-        other[rest[_was_there(tracks[label], moved, view, fit, rest)]] = True
+        other[rest[_explained_points(tracks[label], moved, view, fit, rest)]] = True
     return other
 
 
@@ -261,7 +261,7 @@ def _seeds(
     return seeds
 
 
-def _taken_over(view: View, found: LabelledPoints, points: I64) -> LabelledPoints:
+def _restricted_to(view: View, found: LabelledPoints, points: I64) -> LabelledPoints:
     """Return an object with ``points`` (M,): its claim restricted to them, and new surface."""
     own = np.zeros(len(view.xyz), np.bool_)
     own[points] = True
@@ -320,7 +320,7 @@ def _movers(other_movers: OtherMovers, scene: F32, apart: float) -> OtherMovers:
     return OtherMovers(other_movers.xyz[moving], other_movers.colour[moving], other_movers.weight)
 
 
-def _was_there(
+def _explained_points(
     track: Track, other_movers: OtherMovers, view: View, fit: Registration, rest: I64
 ) -> Mask:
     """Mark the points explained by an unlabelled mover, at rest or moved along with the object."""

@@ -13,9 +13,9 @@ from pointbrush.tracking.model.track import Carrier, Track
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.people.arrivals import (
     confusable_people,
-    exchange,
-    merge,
+    merge_newcomers,
     newcomers,
+    restore_exchanged_people,
     return_missing_people,
     rules_out,
 )
@@ -117,9 +117,9 @@ class Group:
             shares = shared_out(observation, people, strides(observation, people))
             gone = return_missing_people(observation, people, self.usual, self.now)
             fresh = newcomers(observation, people, self.usual, self.now)
-            gone |= merge(observation, [*people, *fresh], self.now)
+            gone |= merge_newcomers(observation, [*people, *fresh], self.now)
             self.people = [f for f in [*people, *fresh] if f.label not in gone]
-            exchange(observation, self.people, self.now)
+            restore_exchanged_people(observation, self.people, self.now)
         expected = {f.label: np.median((f.xyz + f.step) @ self.flat, axis=0) for f in people}
         found = {}
         for k, person in enumerate(people):
@@ -308,18 +308,18 @@ class JointTracking:
 
     def gather(self, view: View, background: Background, labels: Iterable[int]) -> None:
         """Start joint tracking of the people among the ``labels`` of a frame, if it applies."""
-        bodies = {n: self._tracks[n] for n in labels if self._one_of_them(self._tracks[n])}
+        bodies = {n: self._tracks[n] for n in labels if self._shows_limbs(self._tracks[n])}
         if bodies and isinstance(background, PictureBackground):
             self.group = Group.of(view, bodies, background, self._track_options.fps)
-            self._tell_clothes()
+            self._share_clothing()
 
     def join(self, view: View, background: Background, label: int) -> None:
         """Add a person painted in the middle of a run to the group."""
         if self.group is None:
             self.gather(view, background, [label])
-        elif self._one_of_them(self._tracks[label]):
+        elif self._shows_limbs(self._tracks[label]):
             self.group.put(view, label, self._tracks[label])
-        self._tell_clothes()
+        self._share_clothing()
 
     @property
     def pending(self) -> set[int]:
@@ -327,7 +327,7 @@ class JointTracking:
         people = () if self.group is None else self.group.people
         return {number for f in people if not f.named for number in f.seen}
 
-    def recognised(self) -> dict[int, tuple[dict[int, I64], float]]:
+    def pop_recognised(self) -> dict[int, tuple[dict[int, I64], float]]:
         """Return points by frame, and a confidence, of people just recognised, by label."""
         people = () if self.group is None else self.group.people
         found = [f for f in people if f.named and f.seen]
@@ -336,18 +336,18 @@ class JointTracking:
             person.seen = {}
         return earlier
 
-    def _tell_clothes(self) -> None:
+    def _share_clothing(self) -> None:
         """Give the people's colour histograms to all other tracks."""
         labels = sorted(self.labels)
         clothes = tuple(self._tracks[n].appearance for n in labels)
         for track in (t for n, t in self._tracks.items() if n not in labels):
             track.clothes = clothes
 
-    def _one_of_them(self, track: Track) -> bool:
+    def _shows_limbs(self, track: Track) -> bool:
         """Return whether a track is a person dense enough to resolve limbs."""
         return track.body and track.unit < self.options.body.limb_m
 
-    def carry(self, view: View, outcomes: dict[int, Outcome]) -> None:
+    def update_carriers(self, view: View, outcomes: dict[int, Outcome]) -> None:
         """Update the carrier of each small object, and move occluded objects along with theirs.
 
         An object that has left its place and touches a person is carried.  If it is not found and

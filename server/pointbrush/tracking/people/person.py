@@ -161,7 +161,7 @@ class Person:
         """Whether they have a label of the run."""
         return self.label > 0
 
-    def elsewhere(self, observation: PersonObservation, now: int) -> bool:
+    def may_be_elsewhere(self, observation: PersonObservation, now: int) -> bool:
         """Return whether they may be at an unexpected place, as too little of them is visible."""
         return (
             self.last_clear < now - 1

@@ -21,13 +21,13 @@ from pointbrush.tracking.scene.pixels import (
     Images,
     LastSeen,
     before,
+    count_static_frames,
     furniture,
-    keep_up,
     least,
     reappearing_labels,
     scenery,
-    stood,
-    take_in,
+    static_points,
+    update_known_depths,
 )
 from pointbrush.tracking.sensors.view import View
 
@@ -120,7 +120,7 @@ class ImageBackground:
 
     def static(self, view: View, indices: I64) -> tuple[Mask, Mask]:
         """See ``Background``."""
-        return stood(
+        return static_points(
             view.cells,
             indices,
             self.depth,
@@ -258,7 +258,7 @@ class ImageBackground:
             beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=options)
             self.hidden = np.append(beyond, np.float32(np.nan))
         self.previous = view.depth
-        keep_up(self.anchor, self.age, seen, limit)
+        count_static_frames(self.anchor, self.age, seen, limit)
         if not first and labelled[:-1].any():  # the last entry is outside the picture
             # Missed points at an object's rim must not become background.
             image = labelled[:-1].reshape(view.camera.shape)
@@ -270,5 +270,5 @@ class ImageBackground:
             part[...] = widened(part, options.rim_px)
         seen[labelled] = np.nan
         self.last = seen
-        take_in(self.depth, seen, limit, options.learn_rate)
+        update_known_depths(self.depth, seen, limit, options.learn_rate)
         self.nearest = None

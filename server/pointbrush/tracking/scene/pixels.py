@@ -44,7 +44,7 @@ def _learnt(
     last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32, stayed_share: float
 ) -> Mask:
     label, depth = last
-    gone = _gone(last, seen, owner, limit, stayed_share)
+    gone = _moved_labels(last, seen, owner, limit, stayed_share)
     missed = np.zeros(len(seen), np.bool_)
     for c in range(len(seen)):
         if label[c] != 0 and gone[label[c]]:
@@ -64,7 +64,7 @@ def _learnt(
 
 
 @compiled
-def _gone(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float) -> Mask:
+def _moved_labels(last: LastSeen, seen: F32, owner: I32, limit: F32, stayed_share: float) -> Mask:
     """Return a mask (labels,) of visible labels that mostly moved to other cells."""
     label, depth = last
     most = 0
@@ -97,7 +97,7 @@ def _limit(noise: DepthNoise, depth: float, near_sigmas: float) -> float:
 
 
 @compiled
-def stood(
+def static_points(
     points: Projection, indices: I64, known: F32, last: F32, noise: DepthNoise, near_sigmas: float
 ) -> tuple[Mask, Mask]:
     """See ``Background.static``.
@@ -188,7 +188,7 @@ def scenery(
 
 
 @compiled
-def keep_up(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
+def count_static_frames(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
     """Count the frames in which each cell keeps the depth ``seen``, within a ``limit``.
 
     Unmeasured cells count as unchanged.
@@ -200,7 +200,7 @@ def keep_up(anchor: F32, age: I32, seen: F32, limit: F32) -> None:
 
 
 @compiled
-def take_in(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
+def update_known_depths(known: F32, seen: F32, limit: F32, learn_rate: float) -> None:
     """Update the ``known`` depth of each cell by a running mean of ``seen`` depths.
 
     Farther depths replace it at once.

@@ -137,7 +137,7 @@ def find_lens(
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if is_recorded else supposed, np.float64)
     sample = xyz[:: max(1, len(xyz) // options.lens.sampled_points)].astype(np.float64) - eye
-    facing = _faced(sample, options=options.lens)
+    facing = _in_image_axes(sample, options=options.lens)
     if facing is None:
         return None
     sample, along, turn = facing
@@ -158,12 +158,14 @@ def find_lens(
     lens = _lens(sample, eye, turn, along, (size, size), options=options.lens)
     sought = options.lens.filled_share if place is None else options.lens.filled_share_sought
     least = 0.0 if is_recorded else sought
-    if lens is None or not _sees(lens, xyz, is_recorded, least, options=options.lens):
+    if lens is None or not _is_image(lens, xyz, is_recorded, least, options=options.lens):
         return None
     return replace(lens, lattice=False)
 
 
-def _faced(local: F64, options: LensOptions) -> tuple[F64, tuple[int, float], F64 | None] | None:
+def _in_image_axes(
+    local: F64, options: LensOptions
+) -> tuple[F64, tuple[int, float], F64 | None] | None:
     """Return points (N, 3) in image axes, the image's axis, and the rotation (3, 3) to it.
 
     Points around none of the frame's axes are rotated to their mean ray.  None: see ``_axis``.
@@ -239,7 +241,7 @@ def axes_along(forward: F64) -> F64:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def _sees(lens: Lens, xyz: F32, is_recorded: bool, least: float, options: LensOptions) -> bool:
+def _is_image(lens: Lens, xyz: F32, is_recorded: bool, least: float, options: LensOptions) -> bool:
     """Return whether points (N, 3) are an image of a sensor at the position of ``lens``.
 
     Each direction has one surface, continuous with its neighbours, and at least a share ``least``
@@ -251,14 +253,14 @@ def _sees(lens: Lens, xyz: F32, is_recorded: bool, least: float, options: LensOp
     behind = float((depth / np.float32(options.behind_ratio) > nearest[cell]).mean())
     height, width = (size - 2 * options.margin_px for size in lens.shape)
     filled = np.isfinite(nearest).sum() > least * height * width
-    if _torn(nearest[:-1].reshape(lens.shape), options=options) > options.torn_share:
+    if _discontinuous_share(nearest[:-1].reshape(lens.shape), options=options) > options.torn_share:
         return False
     return bool(filled) and behind < (
         options.behind_share_recorded if is_recorded else options.behind_share
     )
 
 
-def _torn(image: F32, options: LensOptions) -> float:
+def _discontinuous_share(image: F32, options: LensOptions) -> float:
     """Return the share of adjacent pixels, inf if empty, that are not on a common surface."""
     pairs, torn = 0, 0
     for one, other in ((image[1:], image[:-1]), (image[:, 1:], image[:, :-1])):

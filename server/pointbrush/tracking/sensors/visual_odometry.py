@@ -76,10 +76,10 @@ def _turned_starts(
     """Return the best of the motions ``begun`` and of rotations of the first, slightly refined."""
     motion = options.visual_odometry
     tried = [
-        _mended(layer, target.image, start, motion.tried_iterations, options=options)
+        _refined(layer, target.image, start, motion.tried_iterations, options=options)
         for start in [*begun, *(turn @ begun[0] for turn in _turns(layer.image, options=motion))]
     ]
-    return _best(layer, target.image, tried, options=options)[: motion.starts_followed]
+    return _sort_by_agreement(layer, target.image, tried, options=options)[: motion.starts_followed]
 
 
 def _rigid(T: F64) -> F64:
@@ -95,12 +95,12 @@ def _followed(
     """Return the best of some motions, refined from coarse to fine levels."""
     for layer, target in zip(one, other, strict=True):
         found = [
-            _mended(layer, target.image, T, options.visual_odometry.iterations, options=options)
+            _refined(layer, target.image, T, options.visual_odometry.iterations, options=options)
             for T in found
         ]
         if layer is not one[0]:
-            found = _best(layer, target.image, found, options=options)[:1]
-    return _best(one[-1], other[-1].image, found, options=options)[0]
+            found = _sort_by_agreement(layer, target.image, found, options=options)[:1]
+    return _sort_by_agreement(one[-1], other[-1].image, found, options=options)[0]
 
 
 def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
@@ -114,7 +114,9 @@ def _turns(image: Image, options: VisualOdometryOptions) -> list[F64]:
     return turns
 
 
-def _best(layer: Layer, image: Image, found: list[F64], options: TrackerOptions) -> list[F64]:
+def _sort_by_agreement(
+    layer: Layer, image: Image, found: list[F64], options: TrackerOptions
+) -> list[F64]:
     """Return the motions in descending order of agreement of the pictures."""
     off = [_off(layer, image, T, options=options.lens) for T in found]
     scale = np.min([_scale(each, options=options.visual_odometry) for each in off], axis=0)
@@ -153,7 +155,7 @@ def _shift(layer: Layer, T: F64, start: F64) -> float:
     return float(np.median(np.linalg.norm((one - other) / np.array(layer.image.pitch), axis=1)))
 
 
-def _mended(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
+def _refined(layer: Layer, image: Image, T: F64, steps: int, options: TrackerOptions) -> F64:
     """Return a motion refined by Gauss-Newton steps."""
     odometry, nearest_m = options.visual_odometry, options.lens.nearest_m
     depth = float(np.median(layer.points[:, 2])) if len(layer.points) else 1.0

@@ -49,7 +49,7 @@ def _explained(track: Track, view: View, fit: Registration, points: I64, reach: 
     return track.other_movers.explain(xyz, colour, reach, step_of(track, fit))
 
 
-def was_there(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
+def explained_by_movers(track: Track, view: View, points: I64, step: F64 | None = None) -> Mask:
     """Mark the points at an unlabelled mover's last position, or at this moved by ``step``."""
     reach = np.full(len(points), track.options.context.stayed_units * track.unit)
     xyz = view.xyz[points].astype(np.float64)
@@ -105,7 +105,7 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     track.other_movers = OtherMovers(view.xyz[some].astype(np.float64), colour, track.weight, box)
 
 
-def note_beside(
+def store_other_movers(
     tracks: Mapping[int, Track],
     view: View,
     associations: Associations,
@@ -122,7 +122,7 @@ def note_beside(
         taken[found.neutral] = before
 
 
-def tell_apart(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:
+def update_distinct_colours(tracks: Mapping[int, Track], view: View, labels: Iterable[int]) -> None:
     """Update the distinctive colours of ``labels`` against all ``tracks`` and their surroundings.
 
     The surroundings include hands within reach, which may hold an object later and have few points.

@@ -17,7 +17,7 @@ from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, Associations, LabelledPoints
 from pointbrush.tracking.steps.claim import claim, cut_off, flying, outline, together
 from pointbrush.tracking.steps.connectivity import Limits, blob, connected
-from pointbrush.tracking.steps.context import contested, step_of, unexplained, was_there
+from pointbrush.tracking.steps.context import contested, explained_by_movers, step_of, unexplained
 
 
 def own_points(track: Track, view: View, fit: Registration) -> Association:
@@ -34,7 +34,7 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
     if view.roams:
         moving |= view.low
     not_its |= ~moving[near.indices] & (near.cost > options.claim.still_reaches * track.reach)
-    not_its |= _hardly(view, fit)[near.indices] & (
+    not_its |= _barely_in_front(view, fit)[near.indices] & (
         (near.cost > track.reach) | (track.model.hits[near.nearest] < options.surface.sure_hits)
     )
     beyond = track.reach if track.large else track.unit
@@ -53,7 +53,7 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
     return Association(fit, found, neutral)
 
 
-def _hardly(view: View, fit: Registration) -> Mask:
+def _barely_in_front(view: View, fit: Registration) -> Mask:
     """Return a mask (N,) of points barely in front of the background."""
     hardly = np.zeros(len(view.xyz), np.bool_)
     hardly[fit.faint] = True
@@ -119,7 +119,7 @@ def _with_new(
         )
         if component.points is not None:
             return replace(found, grown=component.points)
-    beside = _adjoin(track, view, fit, core, rest)
+    beside = _adjoining_points(track, view, fit, core, rest)
     if track.rigid:
         beside = together(np.sort(beside), _new_sides(track, view, fit, core, rest))
     return replace(found, grown=beside)
@@ -175,14 +175,14 @@ def _solid(track: Track, view: View, found: LabelledPoints) -> LabelledPoints:
     Thin parts and rims of what stays in its place are known; of what has just been painted little
     is known but that it is there.
     """
-    if track.motion.fresh or track.motion.rests(track.unit):
+    if track.motion.is_unknown or track.motion.rests(track.unit):
         return found
     points = found.points
     kept = ~flying(view, points, track.unit)
-    return found if kept.all() else _kept(found, kept, points[~kept])
+    return found if kept.all() else _pick_points(found, kept, points[~kept])
 
 
-def _kept(found: LabelledPoints, kept: Mask, neutral: I64) -> LabelledPoints:
+def _pick_points(found: LabelledPoints, kept: Mask, neutral: I64) -> LabelledPoints:
     """The points that are ``kept`` (M,), and more that are ``neutral``."""
     count = len(found.claim.indices)
     return replace(
@@ -210,15 +210,15 @@ def _outlined(
     flies, rim = outline(view, own, rest, track.unit)
     missed = rest[rim]
     if track.painted.with_flying:
-        found = replace(_kept(found, ~flies, own[:0]), rim=together(missed, own[flies]))
+        found = replace(_pick_points(found, ~flies, own[:0]), rim=together(missed, own[flies]))
     else:
-        found = replace(_kept(found, ~flies, own[flies]), rim=missed)
+        found = replace(_pick_points(found, ~flies, own[flies]), rim=missed)
         taken[own[flies]] = False
     taken[missed] = True
     return found
 
 
-def _adjoin(track: Track, view: View, fit: Registration, core: I64, rest: I64) -> I64:
+def _adjoining_points(track: Track, view: View, fit: Registration, core: I64, rest: I64) -> I64:
     """Points beside the core, of its colour, that nothing unlabelled explains."""
     options = track.options.claim
     colour = view.colour(rest)
@@ -282,10 +282,10 @@ def closed_component(
     new = blob(view, core, *_searched(track, view, fit, other, most))
     if new is None or not len(new):
         return ClosedComponent(new, isolated=new is not None)
-    before = was_there(track, view, new)
+    before = explained_by_movers(track, view, new)
     # An object painted in part has many times the known points.
     along = len(new) <= most or (
-        was_there(track, view, new, step_of(track, fit)).mean() >= options.along_share
+        explained_by_movers(track, view, new, step_of(track, fit)).mean() >= options.along_share
     )
     neutral = new[~before] if along else new[:0]
     if taken[new].any():
@@ -339,7 +339,7 @@ def _searched(
         lo, hi = lo - longer, hi + longer
         around = view.box(lo, hi)
     near = around[other[around]]
-    flies = view.lens is not None and not (track.motion.fresh or slow)
+    flies = view.lens is not None and not (track.motion.is_unknown or slow)
     reach = options.step_units * track.unit
     most = len(near) if flies else most
     known = track.frames_alone >= options.known_frames
@@ -371,7 +371,7 @@ def _may_be_a_hand(
         return True
     painted, least = track.appearance, track.options.appearance.alike_share
     if painted.share(colour) < least or painted.unlike(colour):
-        before = was_there(track, view, new, step_of(track, fit))
+        before = explained_by_movers(track, view, new, step_of(track, fit))
     return _share_there(track, view, new, before) >= options.was_there_share_cut
 
 

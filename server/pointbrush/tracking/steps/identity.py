@@ -87,9 +87,13 @@ class Swaps:
         options = self.options
         one, other = pair
         rough = sum((options.prediction_units * tracks[n].unit) ** 2 for n in pair)
-        kept = _off(ahead[one], at[one]) + _off(ahead[other], at[other]) + rough
+        kept = _squared_error(ahead[one], at[one]) + _squared_error(ahead[other], at[other]) + rough
         # Exchanged objects continue to move: the prediction at rest is left out.
-        swapped = _off(ahead[one][:-1], at[other]) + _off(ahead[other][:-1], at[one]) + rough
+        swapped = (
+            _squared_error(ahead[one][:-1], at[other])
+            + _squared_error(ahead[other][:-1], at[one])
+            + rough
+        )
         if kept < options.uneven_ratio * swapped or not _look_alike(tracks[one], tracks[other]):
             return
         confidence_cap = (
@@ -98,7 +102,7 @@ class Swaps:
             else options.doubted_confidence
         )
         self.meetings[pair] = Meeting(
-            self.options, confidence_cap, _ways(tracks[one], tracks[other])
+            self.options, confidence_cap, _recent_paths(tracks[one], tracks[other])
         )
 
     def _go_on(self, at: Mapping[int, F64]) -> None:
@@ -133,13 +137,13 @@ def _may_be_changed(
     apart = float(np.linalg.norm(at[pair[0]] - at[pair[1]]))
     if apart > sum(track.model.radius + track.motion.speed for track in (one, other)):
         return False
-    off = max(float(np.linalg.norm(tracks[n].motion.even - at[n])) for n in pair)
+    off = max(float(np.linalg.norm(tracks[n].motion.extrapolated_place - at[n])) for n in pair)
     return off > options.clear_share * apart or apart < options.meeting_units * max(
         one.unit, other.unit
     )
 
 
-def _off(ahead: F64, at: F64) -> float:
+def _squared_error(ahead: F64, at: F64) -> float:
     """Return the squared distance to the nearest prediction."""
     offset = ahead - at
     return float(np.einsum("ij,ij->i", offset, offset).min())
@@ -154,7 +158,7 @@ def _look_alike(one: Track, other: Track) -> bool:
     return min(shares) > one.options.appearance.alike_share
 
 
-def _ways(one: Track, other: Track) -> F64:
+def _recent_paths(one: Track, other: Track) -> F64:
     """Return (2, M, 3) centres of both in the last frames; empty if one was occluded."""
     motions = [one.motion, other.motion]
     count = min(len(motion.poses) if motion.gap == 1 else 0 for motion in motions)

@@ -118,7 +118,9 @@ def crop(
         if view.roams and not track.painted.flat:
             moving, around = moving[~view.low[moving]], around[~view.low[around]]
     if track.carrier is not None:
-        near, moving, faint = (_unworn(track, view, points) for points in (near, moving, faint))
+        near, moving, faint = (
+            _without_clothes(track, view, points) for points in (near, moving, faint)
+        )
     if len(moving) < options.min_moving_points:
         return None
     search = Search(track, view, hypotheses, (lo, hi), around, near, moving, faint)
@@ -126,7 +128,7 @@ def crop(
     return search
 
 
-def _unworn(track: Track, view: View, points: I64) -> I64:
+def _without_clothes(track: Track, view: View, points: I64) -> I64:
     """Return the points (M,) that do not clearly have the colours of a person's clothes."""
     over = track.over_clothes(view.colour(points))
     return points[over > -track.options.body.distinct_log]
@@ -140,7 +142,7 @@ def _search_margin(track: Track) -> float:
     margin = (
         options.radii * radius
         + options.units * unit
-        + (options.radii_unknown_motion * radius if track.motion.fresh else 0.0)
+        + (options.radii_unknown_motion * radius if track.motion.is_unknown else 0.0)
     )
     return (
         margin + (options.speed_share * track.motion.speed + options.units_per_frame * unit) * gap
@@ -230,7 +232,7 @@ def share_out(searches: Mapping[int, Search], options: SearchOptions) -> dict[in
 def _limit(track: Track) -> float:
     """Return the cost up to which a prediction is certain; it depends on the known motion."""
     options = track.options.register
-    if track.motion.fresh:
+    if track.motion.is_unknown:
         return options.clear_cost if track.hand_sized else 0.0
     return options.doubt_body if track.large else options.doubt
 

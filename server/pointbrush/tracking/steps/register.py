@@ -81,22 +81,24 @@ def register(search: Search) -> Registered:
     doubt = options.doubt if search.track.rigid else options.doubt_body
     doubtful = min(scores) > doubt and _retries_now(search)
     failed = False
-    unknown = motion.gap > 1 or (motion.fresh and min(scores) > options.clear_cost)
+    unknown = motion.gap > 1 or (motion.is_unknown and min(scores) > options.clear_cost)
     if unknown or doubtful:
         before = min(scores)
-        others = [*_elsewhere(search), *search.hypotheses]
+        others = [*_unpredicted_poses(search), *search.hypotheses]
         tries = (
             options.tries_unknown_motion
-            if motion.fresh and search.track.hand_sized
+            if motion.is_unknown and search.track.hand_sized
             else options.tries
         )
-        poses, scores = _try(search, others, tries, poses, scores)
-        if motion.fresh or min(scores) > doubt:
+        poses, scores = _fit_likeliest(search, others, tries, poses, scores)
+        if motion.is_unknown or min(scores) > doubt:
             others = _nudged(search, poses, scores)
             tries = (
-                options.tries if motion.fresh and search.track.hand_sized else options.tries // 2
+                options.tries
+                if motion.is_unknown and search.track.hand_sized
+                else options.tries // 2
             )
-            poses, scores = _try(search, others, tries, poses, scores)
+            poses, scores = _fit_likeliest(search, others, tries, poses, scores)
         failed = min(scores) > before - options.rest_cost
     elif min(scores) > doubt:
         failed = search.track.last.alternatives_failed
@@ -109,7 +111,7 @@ def register(search: Search) -> Registered:
     return Registered(fit.T[0], float(fit.cost[0]), poses, scores, bool(failed))
 
 
-def _elsewhere(search: Search) -> list[F64]:
+def _unpredicted_poses(search: Search) -> list[F64]:
     """Return poses other than the predicted ones; in lidar scans objects stay upright."""
     track, hypothesis = search.track, search.hypotheses[0]
     if track.scanned:
@@ -122,7 +124,7 @@ def _nudged(search: Search, poses: F64, scores: F64) -> list[F64]:
     """Return poses near the best and, if the motion is unknown, near the best at another place."""
     track, best = search.track, int(np.argmin(scores))
     others = nudges(track.model, poses[best], track.options.propose)
-    if track.motion.fresh and track.hand_sized:
+    if track.motion.is_unknown and track.hand_sized:
         at = transform_each(poses, track.model.centre[None])[:, 0]
         apart = (
             np.linalg.norm(at - at[best], axis=1)
@@ -148,7 +150,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     if search.view.lens is None:
         some = track.model.xyz[search.few]
         moved = np.linalg.norm(transform(pose, some) - transform(last, some), axis=1).max()
-        slips = track.scanned and track.motion.fresh
+        slips = track.scanned and track.motion.is_unknown
         first = (
             options.rest_units_moving_scanner
             if search.view.roams
@@ -209,7 +211,7 @@ def _likeliest(search: Search) -> I64:
     return np.array([order[0], *others[:1]])
 
 
-def _try(
+def _fit_likeliest(
     search: Search, hypotheses: list[F64], most: int, poses: F64, scores: F64
 ) -> tuple[F64, F64]:
     """Fit the most likely hypotheses; return all poses with their scores.
@@ -221,7 +223,7 @@ def _try(
     track, some, tried = search.track, search.few, np.stack(hypotheses)
     at = look(track, search.view, some, tried, search.own)
     seen = costs_of(track, search.target, some, at, options.judged_units_unfitted * track.unit)
-    order = np.argsort(seen + _surprise(search, tried), kind="stable")
+    order = np.argsort(seen + _prediction_cost(search, tried), kind="stable")
     first, rest = np.split(order, [most - most // 2])
     rest = rest[np.argsort(seen[rest], kind="stable")]
     if track.hand_sized:
@@ -280,7 +282,7 @@ def _scores(search: Search, poses: F64) -> F64:
         facing_loss = search.at.seen[0].mean() - at.seen.mean(axis=1)
     return np.asarray(
         costs_of(track, search.target, search.few, at, options.judged_units * track.unit)
-        + _surprise(search, poses)
+        + _prediction_cost(search, poses)
         + excess(at.world, search.target, track.unit, options)
         + options.averted_cost * np.maximum(0.0, facing_loss)
     )
@@ -310,7 +312,7 @@ def _fits(
     return robust_fits(source, seen, search.target, poses, steps, options=search.options.register)
 
 
-def _surprise(search: Search, poses: F64) -> F64:
+def _prediction_cost(search: Search, poses: F64) -> F64:
     """Return (K,) the cost of the distance of poses from all predictions, in place and rotation."""
     options = search.options.register
     motion, model, hypotheses = search.track.motion, search.track.model, search.hypotheses
@@ -319,12 +321,14 @@ def _surprise(search: Search, poses: F64) -> F64:
     off = np.linalg.norm(at[:, None] - expected, axis=2).min(axis=1) / reach
     cost = options.surprise_cost * np.minimum(1.0, off)
     if search.track.scanned:
-        size = (options.limit_radii_unknown if motion.fresh else options.limit_radii) * model.radius
+        size = (
+            options.limit_radii_unknown if motion.is_unknown else options.limit_radii
+        ) * model.radius
         change = options.limit_radii * motion.speed + options.limit_units * search.track.unit
         far = options.beyond_cost * (off * reach > size + change * motion.gap)
     else:
         far = np.zeros(len(off))
-    if motion.fresh:
+    if motion.is_unknown:
         return np.asarray(0.5 * cost + far)
     turns = poses[:, :3, :3].reshape(-1, 9) @ hypotheses[:, :3, :3].reshape(-1, 9).T
     # The trace of a rotation is 3 for none, and -1 for half a turn.

@@ -40,9 +40,9 @@ def find_astray(
     far, still = background.static(view, points)
     points = points[~(far | still)]
     for track in some:
-        before = _own(track, associations)
-        found = _best(track, background, view, left, points[left[points]], before)
-        if found is not None and not (track.carrier and _beyond(track, found)):
+        before = _own_registration(track, associations)
+        found = _best_fit(track, background, view, left, points[left[points]], before)
+        if found is not None and not (track.carrier and _is_beyond_reach(track, found)):
             associations = associations.put(track.label, found)
             left[found.claim.indices] = False
             astray.pop(track.label, None)
@@ -52,7 +52,7 @@ def find_astray(
 def _is_astray(track: Track, astray: dict[int, int], associations: Associations) -> bool:
     """Return whether to search for an object in this frame, and count its frames in doubt."""
     options = track.options.relocate
-    view, fit = associations.view, _own(track, associations)
+    view, fit = associations.view, _own_registration(track, associations)
     if view.lens is None or track.lost or not track.rigid:
         return False
     if track.motion.rested is not None and _hidden_at_rest(track, view):
@@ -80,7 +80,7 @@ def _hidden_at_rest(track: Track, view: View) -> bool:
     return float(shown.mean()) < options.register.open_share * float(at.facing[0])
 
 
-def _own(track: Track, associations: Associations) -> Registration | None:
+def _own_registration(track: Track, associations: Associations) -> Registration | None:
     """Return the registration of an object.
 
     None: it is on another object's points, or shows too little far from its predictions.
@@ -88,21 +88,21 @@ def _own(track: Track, associations: Associations) -> Registration | None:
     found = associations.found.get(track.label)
     if found is None or found.undisputed < track.options.relocate.others_share:
         return None
-    return None if _scrap(track, found) else found.registration
+    return None if _is_scrap(track, found) else found.registration
 
 
 def _prediction_distance(track: Track, found: Association) -> float:
     """Return the distance (m) of a found object from all its predictions."""
     at = transform(found.registration.pose, track.motion.centre[None])
-    return float(np.linalg.norm(_expected(track) - at, axis=1).min())
+    return float(np.linalg.norm(_predicted_centres(track) - at, axis=1).min())
 
 
-def _beyond(track: Track, found: Association) -> bool:
+def _is_beyond_reach(track: Track, found: Association) -> bool:
     """Return whether a carried object was found beyond its carrier's arm length."""
     return _prediction_distance(track, found) > track.options.relocate.arm_m
 
 
-def _scrap(track: Track, found: Association) -> bool:
+def _is_scrap(track: Track, found: Association) -> bool:
     """Return whether too little of an object shows at a place far from its predictions."""
     return bool(
         _prediction_distance(track, found) > track.model.radius
@@ -110,12 +110,12 @@ def _scrap(track: Track, found: Association) -> bool:
     )
 
 
-def _expected(track: Track) -> F64:
+def _predicted_centres(track: Track) -> F64:
     """Return (K, 3) predicted centres of an object."""
     return transform_each(track.motion.predictions, track.motion.centre[None])[:, 0]
 
 
-def _best(
+def _best_fit(
     track: Track,
     background: Background,
     view: View,
@@ -144,7 +144,7 @@ def _best(
         if cost >= most:
             continue
         found = own_points(track, view, fit)
-        if _scrap(track, found):
+        if _is_scrap(track, found):
             continue
         verdict = judge(track, view, fit.pose, fit.world, found.claim)
         if (
@@ -210,7 +210,7 @@ def _far_off(track: Track, search: Search, fit: Registration) -> bool:
     """Return whether a large object is too far from its occluded position to be the same one."""
     options = track.options
     motion = track.motion
-    if motion.fresh or track.painted.cut:  # a partly painted object grows as it appears
+    if motion.is_unknown or track.painted.cut:  # a partly painted object grows as it appears
         return False
     centre = motion.centre[None]
     at = transform(fit.pose, centre)[0]

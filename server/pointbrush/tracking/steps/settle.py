@@ -215,7 +215,7 @@ def _move(track: Track, found: Association, verdict: Verdict) -> None:
     scrap = (
         track.large and track.last.points < options.scrap_share * track.size and not track.scanned
     )
-    if scrap or (found.restarts_motion and not track.motion.fresh):
+    if scrap or (found.restarts_motion and not track.motion.is_unknown):
         track.motion = track.motion.begin(fit.pose)
     else:
         sure = track.large or fit.cost < options.motion_cost
@@ -258,7 +258,7 @@ def hides(
     component alone in the air are excluded.
     """
     options = track.options
-    if track.carrier is not None and _worn(track, view.colour(given.claim.indices)):
+    if track.carrier is not None and _has_clothes_colours(track, view.colour(given.claim.indices)):
         return True
     clear = fit.cost < options.update.motion_cost and inliers > options.update.reappear_share
     fits = fit.cost < options.update.teach_cost or clear
@@ -273,7 +273,7 @@ def hides(
     return known.likeness(colour) < known.usual - options.update.hiding_log_colour
 
 
-def _worn(track: Track, colour: F32) -> bool:
+def _has_clothes_colours(track: Track, colour: F32) -> bool:
     """Return whether too few of the colours (M, 3) are a carried object's instead of clothes'."""
     options = track.options.body
     over = track.over_clothes(colour)

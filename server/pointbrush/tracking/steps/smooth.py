@@ -74,7 +74,7 @@ class Smoother:
         self._track_options, self._options = track_options, options
 
     def relabel(self, earlier: Mapping[int, tuple[Mapping[int, I64], float]]) -> None:
-        """Add points of recognised people to held frames; see ``JointTracking.recognised``."""
+        """Add points of recognised people to held frames; see ``JointTracking.pop_recognised``."""
         for label, (points, confidence) in earlier.items():
             for at, held in enumerate(self._held):
                 state, own = held.result.tracks.get(label), points.get(held.view.number)
@@ -95,7 +95,7 @@ class Smoother:
         small = {n: track for n, track in tracks.items() if _stiff(track)}
         for label, track in small.items():
             if new.sure(label) and any(held.open(label) for held in self._held):
-                self._go_back(track, new, background)
+                self._smooth_backward(track, new, background)
         self._held.append(new)
         while self._held and (
             len(self._held) > self._options.lag_frames
@@ -106,13 +106,13 @@ class Smoother:
         ):
             yield self._held.pop(0).result
 
-    def rest(self) -> Iterator[FrameResult]:
+    def flush(self) -> Iterator[FrameResult]:
         """Yield the results held at the end of a run."""
         for held in self._held:
             yield held.result
         self._held = []
 
-    def _go_back(self, track: Track, new: Held, background: Background) -> None:
+    def _smooth_backward(self, track: Track, new: Held, background: Background) -> None:
         """Track a copy of an object backward from a ``new`` frame through its uncertain frames."""
         label = track.label
         track_copy = replace(

@@ -17,7 +17,7 @@ from pointbrush.tracking.model.track import OtherMovers, Track, begin
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim, painted_with_flying
-from pointbrush.tracking.steps.context import set_other_movers_around, tell_apart
+from pointbrush.tracking.steps.context import set_other_movers_around, update_distinct_colours
 from pointbrush.tracking.steps.ground_contact import painted_with_ground
 from pointbrush.tracking.steps.predict import search_among, target_of
 from pointbrush.tracking.steps.register import bent, find
@@ -37,7 +37,9 @@ class Observation:
     verdict: Verdict
 
 
-def withheld(tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View) -> F64:
+def positions_to_exclude(
+    tracks: Mapping[int, Track], fits: Mapping[int, Registration], view: View
+) -> F64:
     """Return (M, 3) positions of objects to exclude from the background, claimed or not."""
     slow = {n: t for n, t in tracks.items() if t.motion.slow(t.unit)}
     there = [fits[n].world for n in fits if n in view.labels and n in slow]
@@ -66,12 +68,12 @@ def learn(track: Track, observation: Observation) -> None:
     was_rigid = not track.bends
     note_looseness(track, observation)
     if track.bends:
-        _make_anew(track, observation)
+        _rebuild_model(track, observation)
     else:
         _gather(track, observation, was_rigid)
 
 
-def _make_anew(track: Track, observation: Observation) -> None:
+def _rebuild_model(track: Track, observation: Observation) -> None:
     """Rebuild a bending model from the found points and the hidden part of the old model."""
     options = track.options
     view, fit, points = observation.view, observation.fit, observation.given.points
@@ -181,13 +183,13 @@ def note_strain(track: Track, observation: Observation) -> None:
             if track.size > options.track.dense_points
             else options.strain.max_frame_ratio * options.track.soft_strain
         )
-        now = min(strained(track, observation), most)
+        now = min(bent_share(track, observation), most)
         strain = track.bending.strain
         strain += options.strain.strain_rate * (now - strain)
         track.bending = replace(track.bending, strain=strain)
 
 
-def strained(track: Track, observation: Observation) -> float:
+def bent_share(track: Track, observation: Observation) -> float:
     """Return the share of the known surface that bending explains and a rigid motion does not."""
     options = track.options
     model, view, fit = track.model, observation.view, observation.fit
@@ -264,7 +266,9 @@ def begin_label(
     set_other_movers_around(track, view, track.model.xyz)
 
 
-def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, noise: float) -> F64:
+def restart_track(
+    tracks: dict[int, Track], view: View, label: int, points: I64, noise: float
+) -> F64:
     """Restart an object from ``points`` (M,); return its pose (4, 4), continuing the last one."""
     before = tracks[label]
     pose = before.motion.poses[-1]
@@ -274,14 +278,14 @@ def begin_anew(tracks: dict[int, Track], view: View, label: int, points: I64, no
         shift[:3, 3] = view.xyz[points].mean(axis=0) - old
     pose = shift @ pose
     begin_label(tracks, view, label, points, noise)
-    tell_apart(tracks, view, [label])
+    update_distinct_colours(tracks, view, [label])
     track = tracks[label]
     track.model.xyz = transform(inverse(pose), track.model.xyz)
     track.motion = Motion(track.options.search, track.model.centre, (pose,))
     return pose
 
 
-def corrected(track: Track, view: View, points: I64) -> F64 | None:
+def correct_track(track: Track, view: View, points: I64) -> F64 | None:
     """Update a track from painted ``points`` (M,); return the pose (4, 4), None: none fits."""
     options = track.options
     if not track.rigid or track.frames_unseen or len(points) < options.update.correction_min_points:
@@ -293,7 +297,9 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
         found.indices
     ) < options.update.correction_explained_share * len(points):
         return None
-    model.drop(_denied(track, view, fit, points) & (model.hits < options.surface.sure_hits))
+    model.drop(
+        _unpainted_model_points(track, view, fit, points) & (model.hits < options.surface.sure_hits)
+    )
     back = inverse(fit.pose)
     eye = None if view.eye is None else transform(back, view.eye[None])[0]
     found = claim(view, points, transform(fit.pose, model.xyz), model.colour, 0.0, reach)
@@ -306,7 +312,7 @@ def corrected(track: Track, view: View, points: I64) -> F64 | None:
     return fit.pose
 
 
-def _denied(track: Track, view: View, fit: Registration, points: I64) -> Mask:
+def _unpainted_model_points(track: Track, view: View, fit: Registration, points: I64) -> Mask:
     """Mark the model points that are visible but not painted, such as points of a hand."""
     options = track.options.verdict
     painted = close_to(fit.world, view.xyz[points], options.surface_units * track.unit)

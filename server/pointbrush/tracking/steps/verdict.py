@@ -43,7 +43,7 @@ def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = No
     facing = track.model.facing(poses, view.eye, sample)
     seen, through = facing, np.zeros(facing.shape, np.bool_)
     if view.lens is not None:
-        seen, through = _held_against(
+        seen, through = _compare_with_frame(
             view.lens.pixels,
             view.T_lens_world,
             view.depth,
@@ -75,7 +75,7 @@ def costs_of(track: Track, target: Target, sample: I64, at: Look, scale: float) 
 
 
 @compiled
-def _held_against(
+def _compare_with_frame(
     lens: Pixels,
     T_lens_world: F64,
     image: F32,
