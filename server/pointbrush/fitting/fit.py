@@ -78,8 +78,8 @@ def fit_box(
     level = fit_moving(start, chosen)
     if not start.moves:
         return _still(views, level)
-    gone = float(np.linalg.norm(level.centres[-1] - level.centres[0]))
-    return _result(views, level, moves=True, known=gone > chosen.headed)
+    distance = float(np.linalg.norm(level.centres[-1] - level.centres[0]))
+    return _result(views, level, moves=True, known=distance > chosen.headed)
 
 
 def _still(views: list[View], level: Level, posed: bool = False) -> FittedBox:

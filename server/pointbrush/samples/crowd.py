@@ -105,8 +105,8 @@ class CrowdScene(LivingRoom):
             balls += shadow_balls(posture)
         if not self._things:
             return Moment(solids, balls, {})
-        who, hand = self._bearer
-        carrier = postures[who]
+        bearer, hand = self._bearer
+        carrier = postures[bearer]
         bag, ball = len(postures) + 1, len(postures) + 2
         poses = {
             bag: rigid(yaw(carrier.facing), carrier.hands[hand] - UP * 0.3),
@@ -156,9 +156,9 @@ def _carrier(walks: Sequence[Walk]) -> tuple[int, int]:
     """Return person and hand that carry the bag: the nearest person with a visible bag at first."""
     places = [walk.place(0.0) for walk in walks]
     showing = [k for k, place in enumerate(places) if _inside(place, BAG_LEVEL) > RIM]
-    who = max(showing or range(len(walks)), key=lambda k: places[k][2])
-    hands = walks[who].posture(0.0).hands
-    return who, int(norm(hands[1]) < norm(hands[0]))
+    bearer = max(showing or range(len(walks)), key=lambda k: places[k][2])
+    hands = walks[bearer].posture(0.0).hands
+    return bearer, int(norm(hands[1]) < norm(hands[0]))
 
 
 def _open_place(people: Sequence[Array]) -> Array:

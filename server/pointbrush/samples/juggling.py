@@ -176,13 +176,13 @@ class Hand:
         """Return the direction of a held pin with its body ``angle`` above forward."""
         return unit(matmul(yaw(self.stand.facing), vec(self.side * 0.14, sin(angle), cos(angle))))
 
-    def place(self, what: str) -> Array:
+    def place(self, phase: str) -> Array:
         """Place of the hand as it throws, catches or rests."""
         left, up, forward = {
             "throw": (0.16, 1.03, 0.40),
             "catch": (0.29, 1.10, 0.38),
             "rest": (0.24, 1.00, 0.36),
-        }[what]
+        }[phase]
         return self.stand.at(self.side * left, up, forward)
 
 

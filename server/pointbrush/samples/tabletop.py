@@ -278,12 +278,12 @@ class Script:
             held = self._grip(move, side, t)
             progress = smoothstep((t - move.release) / 0.4)
             return np.asarray(held + (rest - held) * 0.5 * progress)
-        came = rest
+        start = rest
         if len(before) > 1:
-            came = self.hand(which, before[-1].begin - 1e-6)
+            start = self.hand(which, before[-1].begin - 1e-6)
         s = smoothstep((t - move.begin) / (move.grasp - move.begin))
         above = UP * (0.10 * sin(math.pi * s))
-        return np.asarray(came + (self._grip(move, side, t) - came) * s + above)
+        return np.asarray(start + (self._grip(move, side, t) - start) * s + above)
 
     def _grip(self, move: Move, side: float, t: float) -> Array:
         thing = self._things[move.thing]

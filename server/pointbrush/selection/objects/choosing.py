@@ -64,9 +64,9 @@ def choose_levels(
                 chain = _with_candidate(chain[: options.levels - 1], other)
         return chain
     # Both stay in reach, whichever is first: what was taken, mended, and the best in its place.
-    fresh = next((i for i in order if i != kept and alone[i]), kept)
+    uncovered = next((i for i in order if i != kept and alone[i]), kept)
     better = score[order[0]] > score[kept] + margin
-    first, other = (order[0], kept) if better else (kept, fresh)
+    first, other = (order[0], kept) if better else (kept, uncovered)
     chain = _chain(masks, size, [first, *order], options.closest_after, options.levels - 1)
     return _with_candidate(chain, other)
 

@@ -281,7 +281,7 @@ def _merge(
     work, row = np.empty((3, WIDTH)), np.empty(FEATURES)
     first = np.empty(len(ends))
     waiting = [(0.0, 0, 0)][:0]
-    fresh_count, node, begun = len(ends), count, False
+    fresh_count, node, has_child = len(ends), count, False
     while True:
         for f in range(fresh_count):
             b = fresh[f]
@@ -292,12 +292,12 @@ def _merge(
                 _copy(row, rows[noted])
                 scored[noted, 0], scored[noted, 1] = one, other
                 noted += 1
-            if not begun:
+            if not has_child:
                 first[b] = odds
             version[b] += 1
             borders.sized[b] = total[one, sums.COUNT] + total[other, sums.COUNT]
             heapq.heappush(waiting, (-odds, b, version[b]))
-        begun = True
+        has_child = True
         found, odds = _best_border(waiting, version)
         if found < 0:
             break
