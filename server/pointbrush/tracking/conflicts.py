@@ -73,7 +73,7 @@ def look_for(
         fit, points = one.registration, one.claim.indices
         seen = judge(track, view, fit.pose, fit.world, one.claim).found
         if view.lens is not None and len(points):
-            seen = seen and _surely(track.label, tracks, background, view, points)
+            seen = seen and _has_reappeared(track.label, tracks, background, view, points)
         if seen:
             associations = associations.put(track.label, one)
             free[points] = False
@@ -82,7 +82,7 @@ def look_for(
     return associations, loose
 
 
-def _surely(
+def _has_reappeared(
     label: int, tracks: Mapping[int, Track], background: Background, view: View, points: I64
 ) -> bool:
     """Return whether an occluded large object has certainly reappeared.

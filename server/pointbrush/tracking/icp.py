@@ -129,7 +129,7 @@ class PaperTracker:
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
         start = frames(order[0])
-        objects = {seed.label: _begun(start, seed.indices, np.eye(4)) for seed in seeds}
+        objects = {seed.label: _start_object(start, seed.indices, np.eye(4)) for seed in seeds}
         yield FrameResult(
             order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
         )
@@ -144,7 +144,7 @@ class PaperTracker:
                 if certain is not None:
                     assignments[label] = certain
                     tracks[label] = _painted(len(certain), track.pose)
-                    objects[label] = _begun(frame, certain, track.pose)
+                    objects[label] = _start_object(frame, certain, track.pose)
                     stopped.discard(label)
                 elif label not in stopped:
                     frame_label = (number, label)
@@ -213,7 +213,7 @@ def _evidence(
     )
 
 
-def _begun(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
+def _start_object(frame: TrackFrame, indices: I64, pose: F64) -> _Object:
     """Return an object from painted points."""
     xyz = frame.xyz[indices].astype(np.float64)
     some = xyz[:: max(1, len(xyz) // SAMPLE)]

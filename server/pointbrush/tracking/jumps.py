@@ -122,7 +122,7 @@ def find_shift(one: Planes, other: Planes, options: TrackerOptions) -> F64 | Non
     """Return the motion (4, 4) of a frame's surfaces to another; None: no motion or no match."""
     before = in_place(one, other.tree, np.eye(4), options=options.scan_odometry)
     best, share = np.eye(4), before
-    for shift in _likely(one, other, options.jumps):
+    for shift in _likely_shifts(one, other, options.jumps):
         start = np.eye(4)
         start[:3, 3] = shift
         T, found = register(one, other.tree, start, options=options.scan_odometry)
@@ -141,7 +141,7 @@ def _displaced(planes: Planes, T: F64) -> float:
     return float(np.median(moved)) / planes.cell
 
 
-def _likely(one: Planes, other: Planes, options: JumpOptions) -> F64:
+def _likely_shifts(one: Planes, other: Planes, options: JumpOptions) -> F64:
     """Return (K, 3) shifts in metres that align most surfaces with the same orientation."""
     side = options.side_pixels
     pixel = options.pixel_cells * max(one.cell, other.cell)

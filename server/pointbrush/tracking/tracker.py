@@ -83,11 +83,11 @@ class AutoTracker:
         options: TrackOptions,
     ) -> Iterator[FrameResult]:
         """See ``Method.track``."""
-        begun = _before(seeds, known(options.before[0])) if options.before else list(seeds)
-        run = Run(frames, [*options.before, *order], begun, known, options, self)
+        started = _before(seeds, known(options.before[0])) if options.before else list(seeds)
+        run = Run(frames, [*options.before, *order], started, known, options, self)
         with closing(run.scene):
             if options.before:
-                run.recall(begun)
+                run.recall(started)
                 given = {seed.label: np.sort(seed.indices) for seed in seeds}
                 first = run.step(order[0], given).result
             else:

@@ -276,10 +276,10 @@ class Track:
 
         Excluded: static objects of a lidar, which reappear at their place.
         """
-        hardly = (
+        mostly_occluded = (
             self.frames_unseen > 0 or self.last.points < self.options.track.hardly_share * self.size
         )
-        return self.large and hardly and not self.stands
+        return self.large and mostly_occluded and not self.stands
 
     @property
     def stands(self) -> bool:

@@ -101,24 +101,24 @@ def return_missing_people(
 
     Returns the numbers of unlabelled people that were identified as one of them.
     """
-    gone = [f for f in people if f.named and f.may_be_elsewhere(observation, now)]
-    offers = _offers(observation, people, gone, usual, now) if gone else []
-    ranked = _ranked(observation, gone, offers, now)
+    missing = [f for f in people if f.named and f.may_be_elsewhere(observation, now)]
+    offers = _offers(observation, people, missing, usual, now) if missing else []
+    ranked = _ranked(observation, missing, offers, now)
     found: set[int] = set()
     given: set[int] = set()
-    gone_on: set[int] = set()
+    identified: set[int] = set()
     recent = now - observation.options.arrivals.recent_frames
-    young = [0, *(f.label for f in people if not f.named and f.since > recent)]
+    unlabelled = [0, *(f.label for f in people if not f.named and f.since > recent)]
     for _, label, number in ranked:
         if label in found or number in given:
             continue
         found.add(label)
         given.add(number)
         cells, other, rest = offers[number]
-        taken = _offered_bodies(observation, cells, other, young)
-        person = next(f for f in gone if f.label == label)
+        taken = _offered_bodies(observation, cells, other, unlabelled)
+        person = next(f for f in missing if f.label == label)
         if other is not None and not other.named:
-            gone_on.add(other.label)
+            identified.add(other.label)
             if person.at_side and person.frames_unseen:
                 _adopt_newcomer(observation, person, other, cells, now)
         observation.owner[observation.owner == label] = 0
@@ -126,15 +126,15 @@ def return_missing_people(
         person.frames_unseen = max(person.frames_unseen, 1)
         if other is not None and rest is not None:
             person.doubt(other)
-    return gone_on
+    return identified
 
 
 def _ranked(
-    observation: PersonObservation, gone: Sequence[Person], offers: Sequence[Offer], now: int
+    observation: PersonObservation, missing: Sequence[Person], offers: Sequence[Offer], now: int
 ) -> list[tuple[float, int, int]]:
     """Return cost, label of a missing person and number of an offer, in ascending order of cost."""
     ranked = []
-    for person in gone:
+    for person in missing:
         for number, (cells, other, rest) in enumerate(offers):
             cost = None
             if _is_candidate(person, other) and _may_return(observation, person, other, cells, now):
@@ -147,19 +147,19 @@ def _ranked(
 
 
 def _offered_bodies(
-    observation: PersonObservation, cells: I64, other: Person | None, young: Sequence[int]
+    observation: PersonObservation, cells: I64, other: Person | None, unlabelled: Sequence[int]
 ) -> Mask:
     """Return a mask (N,) of offered cells with the rest of their bodies.
 
-    The rest are free cells and cells of ``young`` owners; it is left out if the offer is part of a
-    labelled person.
+    The rest are free cells and cells of ``unlabelled`` owners; it is left out if the offer is part
+    of a labelled person.
     """
     taken = np.zeros(len(observation.owner), np.bool_)
     taken[cells] = True
     if other is None or not other.named:
         bodies = np.unique(observation.bodies[cells])
         taken |= np.isin(observation.bodies, bodies[bodies >= 0]) & np.isin(
-            observation.owner, young
+            observation.owner, unlabelled
         )
     return taken
 
@@ -203,8 +203,8 @@ def _return_odds(
     seconds = (newcomer.since - (now - 1 - person.frames_unseen)) / observation.fps
     entry = np.median(newcomer.xyz, axis=0) - newcomer.displacement
     distance = float(np.linalg.norm((entry - np.median(person.known, axis=0)) @ observation.flat))
-    soon = np.exp(-seconds / options.return_seconds - 0.5 * (distance / options.return_m) ** 2)
-    odds = options.return_soon_log * soon - options.return_log_odds
+    recency = np.exp(-seconds / options.return_seconds - 0.5 * (distance / options.return_m) ** 2)
+    odds = options.return_soon_log * recency - options.return_log_odds
     if tops:
         odds += person.identity.stature.likelihood(float(np.median(tops)))
     return float(odds + options.return_clothes_weight * person.likeness(observation.some(cells)))
@@ -222,11 +222,11 @@ def _adopt_newcomer(
 def _offers(
     observation: PersonObservation,
     people: Sequence[Person],
-    gone: Sequence[Person],
+    missing: Sequence[Person],
     usual: float,
     now: int,
 ) -> list[Offer]:
-    """Return cells that may be of a person ``gone``: free bodies, and parts of other people."""
+    """Return cells that may be of a ``missing`` person: free bodies, and parts of other people."""
     options = observation.options.arrivals
     part = parts(observation.cells.touching, (observation.owner == 0) & observation.cells.solid)
     count = np.bincount(part[part >= 0])
@@ -239,7 +239,7 @@ def _offers(
         if not person.named and not person.frames_unseen and len(cells):
             offers.append((cells, person, None))
     if observation.tints is not None:
-        for person in (f for f in gone if f.last_clear < now - options.missing_frames):
+        for person in (f for f in missing if f.last_clear < now - options.missing_frames):
             offers += _parts_with_clothes(observation, people, person, usual)
     for person in (f for f in people if f.named):
         least = max(options.back_min_cells, options.part_share * usual)
@@ -266,16 +266,16 @@ def _rest_cost_margin(
 
 
 def _parts_with_clothes(
-    observation: PersonObservation, people: Sequence[Person], who: Person, usual: float
+    observation: PersonObservation, people: Sequence[Person], missing: Person, usual: float
 ) -> list[Offer]:
     """Return parts of other people with the clothes of a missing person instead of their own."""
     options = observation.options.arrivals
-    if who.identity.appearance is None:
+    if missing.identity.appearance is None:
         return []
     found: list[Offer] = []
-    own = observation.unlike(who.identity.appearance)
+    own = observation.unlike(missing.identity.appearance)
     for other in people:
-        if other is who or not other.named or other.identity.appearance is None:
+        if other is missing or not other.named or other.identity.appearance is None:
             continue
         mask = (observation.owner == other.label) & observation.cells.solid
         mask &= (
@@ -374,7 +374,7 @@ def newcomers(
     options = observation.options
     free = (observation.owner == 0) & observation.cells.solid
     bodies = observation.bodies
-    fresh: list[Person] = []
+    added: list[Person] = []
     lowest = min([0, *(f.label for f in people)])
     middles = _middles(observation, people) if now else []
     total = np.bincount(bodies[bodies >= 0])
@@ -386,9 +386,9 @@ def newcomers(
         if owner is None and len(cells) >= max(
             options.arrivals.min_cells, options.arrivals.min_share * usual
         ):
-            owner = _adjacent_newcomer(observation, [*people, *fresh], cells)
+            owner = _adjacent_newcomer(observation, [*people, *added], cells)
             if owner is None:
-                owner = lowest - 1 - len(fresh)
+                owner = lowest - 1 - len(added)
                 some = observation.some(cells)
                 appearance = (
                     None
@@ -396,9 +396,9 @@ def newcomers(
                     else ColourHistogram.of(some, observation.options.appearance)
                 )
                 middle, colour = observation.cells.middle[cells], observation.cells.colour[cells]
-                fresh.append(Person.first_seen(options, owner, middle, colour, now, appearance))
+                added.append(Person.first_seen(options, owner, middle, colour, now, appearance))
         observation.owner[cells] = owner or 0
-    return fresh
+    return added
 
 
 def _middles(observation: PersonObservation, people: Sequence[Person]) -> list[tuple[Person, F64]]:
@@ -448,7 +448,7 @@ def _adjacent_newcomer(
 def merge_newcomers(observation: PersonObservation, people: Sequence[Person], now: int) -> set[int]:
     """Return the numbers of new unlabelled people that are parts of a just returned person."""
     options = observation.options.arrivals
-    gone: set[int] = set()
+    merged: set[int] = set()
     returned = [
         f for f in people if f.named and f.age and now - f.reappearance <= options.recent_frames
     ]
@@ -465,9 +465,9 @@ def merge_newcomers(observation: PersonObservation, people: Sequence[Person], no
             own = np.flatnonzero(observation.owner == other.label)
             if len(own) and _gap(observation, own, cells) < options.touches_m:
                 observation.owner[cells] = other.label
-                gone.add(person.label)
+                merged.add(person.label)
                 break
-    return gone
+    return merged
 
 
 def _gap(observation: PersonObservation, one: I64, other: I64) -> float:

@@ -41,11 +41,11 @@ def reappearing_points(view: View, tracks: Mapping[int, Track], moving: I64) -> 
         for like, number, points in _alike_bodies(view, track, foreground, bodies)
     ]
     found: dict[int, I64] = {}
-    gone: set[int] = set()
+    assigned: set[int] = set()
     for _, label, number, points in sorted(offers, key=lambda o: (-o[0], o[1], o[2])):
-        if label not in found and number not in gone:
+        if label not in found and number not in assigned:
             found[label] = points
-            gone.add(number)
+            assigned.add(number)
     return found
 
 

@@ -45,13 +45,13 @@ class _Figures:
         """(K + 1,) longest path (m): 0 for no figure, then of each figure."""
         return np.concatenate([[0.0], self.far])
 
-    def nearest(self, ways: Paths, bare: Mask, untracked_path: F64) -> tuple[I64, F64]:
+    def nearest(self, ways: Paths, untracked: Mask, untracked_path: F64) -> tuple[I64, F64]:
         """Return (cells,) the figure with the shortest path to each cell, from 1, and the path.
 
         The figure is 0 if the path is too long or longer than ``untracked_path`` (cells,), the
-        path to untracked points.  Paths do not cross ``bare`` cells.
+        path to untracked points.  Paths do not cross ``untracked`` cells.
         """
-        way, origin = shortest_paths(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~bare)
+        way, origin = shortest_paths(ways, np.flatnonzero(self.votes.max(axis=0) > 0), ~untracked)
         first = self.votes.argmax(axis=0) + 1
         owner = np.where(np.isfinite(way), first[origin], 0)
         owner[(way > self.limit[owner]) | (untracked_path < way)] = 0
@@ -130,12 +130,12 @@ class Foreground:
         """
         solid, ways = self.solid, self._ways()
         still, rival, sure = (self._mostly(points) for points in (outside, other, certain))
-        bare = still | rival
-        figures = self._figures(cores, bare, far, clothes)
-        off, _ = shortest_paths(ways, np.flatnonzero(rival), np.ones(len(bare), np.bool_))
+        untracked = still | rival
+        figures = self._figures(cores, untracked, far, clothes)
+        off, _ = shortest_paths(ways, np.flatnonzero(rival), np.ones(len(untracked), np.bool_))
         untracked_path = np.minimum(shortest_paths(ways, np.flatnonzero(still), ~sure)[0], off)
-        owner, way = figures.nearest(ways, bare, untracked_path)
-        self._whole_bodies(owner, figures, ways, sure & solid & ~bare & ~(off < way))
+        owner, way = figures.nearest(ways, untracked, untracked_path)
+        self._whole_bodies(owner, figures, ways, sure & solid & ~untracked & ~(off < way))
         apart = np.flatnonzero((owner == 0) & ~np.isfinite(untracked_path) & solid & sure)
         self._join_apart(owner, apart, self.options.body.bridge_share * figures.limit)
         owner[~solid] = 0
@@ -157,16 +157,16 @@ class Foreground:
     def _figures(
         self,
         cores: Mapping[int, Mask],
-        bare: Mask,
+        untracked: Mask,
         far: Mapping[int, float],
         clothes: Mapping[int, ColourHistogram],
     ) -> _Figures:
-        """Return the figures with claims, excluding ``bare`` cells (cells,); see ``spread``."""
+        """Return the figures with claims, without ``untracked`` cells (cells,); see ``spread``."""
         total = len(self.count)
         votes = np.stack(
             [np.bincount(self.cell, weights=c, minlength=total) for c in cores.values()]
         )
-        votes[:, bare] = 0
+        votes[:, untracked] = 0
         wears = np.array([list(clothes).index(abs(n)) for n in cores])
         return _Figures(votes, np.array([far[n] for n in cores]), list(clothes.values()), wears)
 
@@ -217,11 +217,11 @@ class Foreground:
         spans = figures.far / options.way_radii
         there &= np.linalg.norm(middle - main[:, None], axis=2) < spans[:, None]
         like = np.stack([appearance.each(self.colour[inside]) for appearance in figures.clothes])
-        for who, body in np.argwhere(there).tolist():
-            claimed = (part == body) & (votes[who] > 0)
+        for figure, body in np.argwhere(there).tolist():
+            claimed = (part == body) & (votes[figure] > 0)
             if np.count_nonzero(claimed) >= options.clothed_cells:
                 mean = like[:, claimed].mean(axis=1)
-                there[who, body] = mean[figures.wears[who]] > mean.max() - options.clearly_log
+                there[figure, body] = mean[figures.wears[figure]] > mean.max() - options.clearly_log
         return np.asarray(there)
 
     def _join_apart(self, owner: I64, apart: I64, most: F64) -> None:

@@ -115,10 +115,10 @@ class Group:
         shares = None
         if len(observation.owner) and people:
             shares = shared_out(observation, people, strides(observation, people))
-            gone = return_missing_people(observation, people, self.usual, self.now)
-            fresh = newcomers(observation, people, self.usual, self.now)
-            gone |= merge_newcomers(observation, [*people, *fresh], self.now)
-            self.people = [f for f in [*people, *fresh] if f.label not in gone]
+            removed = return_missing_people(observation, people, self.usual, self.now)
+            added = newcomers(observation, people, self.usual, self.now)
+            removed |= merge_newcomers(observation, [*people, *added], self.now)
+            self.people = [f for f in [*people, *added] if f.label not in removed]
             restore_exchanged_people(observation, self.people, self.now)
         expected = {f.label: np.median((f.xyz + f.step) @ self.flat, axis=0) for f in people}
         found = {}
@@ -362,9 +362,13 @@ class JointTracking:
             track, one = self._tracks[label], outcomes[label]
             place, carrier = track.motion.place @ flat, track.carrier
             if one.state.state == "tracked":
-                who = self._touching(view, track, one.points, outcomes)
-                if who and track.has_left_start and track.confidence >= self.options.smoothing.sure:
-                    track.carrier = Carrier(who, place - middle[who])
+                carrier_label = self._touching(view, track, one.points, outcomes)
+                if (
+                    carrier_label
+                    and track.has_left_start
+                    and track.confidence >= self.options.smoothing.sure
+                ):
+                    track.carrier = Carrier(carrier_label, place - middle[carrier_label])
             elif carrier is not None and carrier.label in middle:
                 step = flat @ (middle[carrier.label] + carrier.offset - place)
                 track.motion = track.motion.go_along(step)

@@ -106,9 +106,9 @@ class PersonObservation:
     def touching_others(self, cells: I64, label: int) -> float:
         """Return the share of an owner's ``cells`` (C,) that touch cells of other people."""
         one, other = self.cells.touching.T
-        whose = self.owner[one], self.owner[other]
-        apart = (whose[0] != whose[1]) & (whose[0] != 0) & (whose[1] != 0)
-        mine = [side[apart & (of == label)] for side, of in zip((one, other), whose, strict=True)]
+        owners = self.owner[one], self.owner[other]
+        apart = (owners[0] != owners[1]) & (owners[0] != 0) & (owners[1] != 0)
+        mine = [side[apart & (of == label)] for side, of in zip((one, other), owners, strict=True)]
         touches = np.zeros(len(self.owner), np.bool_)
         touches[np.concatenate(mine)] = True
         return float(touches[cells].mean())

@@ -138,12 +138,12 @@ class Shares:
     stride: F64
     cost: F64
 
-    def disputed(self, cells: I64, who: int, options: StrideOptions) -> float:
+    def disputed(self, cells: I64, person: int, options: StrideOptions) -> float:
         """Return the share of a person's cells with a nearly equal cost for another person."""
-        others = np.delete(self.cost[cells], who, axis=1)
+        others = np.delete(self.cost[cells], person, axis=1)
         if not others.shape[1] or not len(cells):
             return 0.0
-        return float((others.min(axis=1) < self.cost[cells, who] + options.disputed_cost).mean())
+        return float((others.min(axis=1) < self.cost[cells, person] + options.disputed_cost).mean())
 
 
 def shared_out(observation: PersonObservation, people: Sequence[Person], stride: F64) -> Shares:
@@ -172,15 +172,15 @@ def shared_out(observation: PersonObservation, people: Sequence[Person], stride:
             observation.view.options.mean_field.neighbour_weight,
             observation.view.options.mean_field.full_neighbours,
         )
-        who = chance.argmax(axis=1)
+        likeliest = chance.argmax(axis=1)
         mended = np.zeros_like(stride)
         for k, person in enumerate(people):
-            cells = np.where(who == k, near[k], -1)
+            cells = np.where(likeliest == k, near[k], -1)
             mended[k] = _mended(observation, person, stride[k], chance[:, k], cells, swing)
         stride += mended
         if np.linalg.norm(mended, axis=1).max() < options.settled_m:
             break
-    observation.owner = np.array([f.label for f in people], np.int64)[who]
+    observation.owner = np.array([f.label for f in people], np.int64)[likeliest]
     _leave(observation, cost.min(axis=1), chance.max(axis=1))
     for k, person in enumerate(people):
         _drop(observation, person, stride[k])

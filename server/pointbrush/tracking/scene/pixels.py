@@ -44,10 +44,10 @@ def _learnt(
     last: LastSeen, seen: F32, owner: I32, limit: F32, known: F32, stayed_share: float
 ) -> Mask:
     label, depth = last
-    gone = _moved_labels(last, seen, owner, limit, stayed_share)
+    moved = _moved_labels(last, seen, owner, limit, stayed_share)
     missed = np.zeros(len(seen), np.bool_)
     for c in range(len(seen)):
-        if label[c] != 0 and gone[label[c]]:
+        if label[c] != 0 and moved[label[c]]:
             label[c] = 0
         if np.isnan(seen[c]) or (owner[c] == 0 and label[c] == 0):
             continue

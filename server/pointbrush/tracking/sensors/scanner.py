@@ -96,10 +96,10 @@ def _open(image: F32, options: RangeImageOptions) -> F32:
     """Return flat ranges for empty cells of an ``image`` (R, width): inf inside it, 0 beyond."""
     from scipy.ndimage import maximum_filter1d
 
-    looks = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
+    columns = maximum_filter1d(image.any(axis=0), 2 * options.blind_cells + 1, mode="wrap")
     rows = np.flatnonzero(image.any(axis=1))
     seen = np.zeros(image.shape, np.float32)
-    seen[rows[0] : rows[-1] + 1, looks] = np.inf
+    seen[rows[0] : rows[-1] + 1, columns] = np.inf
     return seen.ravel()
 
 

@@ -59,10 +59,10 @@ def motion_between(
     """
     to = lens.T_picture_frame
     back = np.linalg.inv(to)
-    begun = [_rigid(to @ start @ back) for start in starts]
-    T = _followed(one, other, begun, options=options)
-    if min(_shift(one[0], T, start) for start in begun) > options.visual_odometry.near_px:
-        T = _followed(one, other, [T, *_turned_starts(one[0], other[0], begun, options)], options)
+    initial = [_rigid(to @ start @ back) for start in starts]
+    T = _followed(one, other, initial, options=options)
+    if min(_shift(one[0], T, start) for start in initial) > options.visual_odometry.near_px:
+        T = _followed(one, other, [T, *_turned_starts(one[0], other[0], initial, options)], options)
     odometry, still = options.visual_odometry, np.eye(4)
     off, left = (_off(one[-1], other[-1].image, D, options=options.lens) for D in (T, still))
     scale = _scale(off, options=odometry)
@@ -71,13 +71,16 @@ def motion_between(
 
 
 def _turned_starts(
-    layer: Layer, target: Layer, begun: Sequence[F64], options: TrackerOptions
+    layer: Layer, target: Layer, initial: Sequence[F64], options: TrackerOptions
 ) -> list[F64]:
-    """Return the best of the motions ``begun`` and of rotations of the first, slightly refined."""
+    """Return the best of the ``initial`` motions and rotations of the first, slightly refined."""
     motion = options.visual_odometry
     tried = [
         _refined(layer, target.image, start, motion.tried_iterations, options=options)
-        for start in [*begun, *(turn @ begun[0] for turn in _turns(layer.image, options=motion))]
+        for start in [
+            *initial,
+            *(turn @ initial[0] for turn in _turns(layer.image, options=motion)),
+        ]
     ]
     return _sort_by_agreement(layer, target.image, tried, options=options)[: motion.starts_followed]
 

@@ -55,9 +55,9 @@ def own_points(track: Track, view: View, fit: Registration) -> Association:
 
 def _barely_in_front(view: View, fit: Registration) -> Mask:
     """Return a mask (N,) of points barely in front of the background."""
-    hardly = np.zeros(len(view.xyz), np.bool_)
-    hardly[fit.faint] = True
-    return hardly
+    result = np.zeros(len(view.xyz), np.bool_)
+    result[fit.faint] = True
+    return result
 
 
 def _carved(track: Track, view: View, fit: Registration, points: I64) -> Mask:

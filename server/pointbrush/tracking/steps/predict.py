@@ -169,10 +169,10 @@ def _before_background(
     # Only a slow object can be at another object's former place.
     slow = track.motion.slow(track.unit)
     own = ~far if slow else ~(far | still)
-    hardly = np.zeros(len(around), np.bool_)
+    barely_in_front = np.zeros(len(around), np.bool_)
     if slow and not track.large:
-        hardly = far & background.faint(view, around)
-    return around[own | hardly], around[~(far | still)], around[hardly]
+        barely_in_front = far & background.faint(view, around)
+    return around[own | barely_in_front], around[~(far | still)], around[barely_in_front]
 
 
 def _distinct(track: Track, hypotheses: F64) -> F64:

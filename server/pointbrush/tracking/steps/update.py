@@ -168,9 +168,9 @@ def note_looseness(track: Track, observation: Observation) -> None:
         total, 1
     )
     # A mostly occluded object has little evidence about the rest of it.
-    says = options.share_rate * (verdict.visible if track.hand_sized else 1.0)
+    rate = options.share_rate * (verdict.visible if track.hand_sized else 1.0)
     share = track.bending.share
-    share += says * (max(loose, 1 - verdict.inliers) - share)
+    share += rate * (max(loose, 1 - verdict.inliers) - share)
     track.bending = replace(track.bending, share=share)
 
 
@@ -219,11 +219,13 @@ def _tests_bending(track: Track, observation: Observation) -> bool:
     A dense object fits well as long as it is stiff.
     """
     options = track.options
-    speaks = track.bending.strain > options.strain.hint_share * options.track.soft_strain
-    speaks = speaks or (
+    is_suspected = track.bending.strain > options.strain.hint_share * options.track.soft_strain
+    is_suspected = is_suspected or (
         observation.fit.cost > options.strain.loose_cost and track.size > options.track.dense_points
     )
-    return speaks or (observation.view.number + track.label) % options.strain.stiff_frames == 0
+    return (
+        is_suspected or (observation.view.number + track.label) % options.strain.stiff_frames == 0
+    )
 
 
 def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
