@@ -62,11 +62,11 @@ def doubts(
     reached = np.cumsum(unsure)
     considered = reached.searchsorted(np.linspace(0, reached[-1], options.considered))
     considered = considered[np.unique(cells[considered], return_index=True)[1]]
-    apart = _apart(features[considered], features)
+    apart = _dissimilarity(features[considered], features)
     examples = _some(np.arange(len(taught)), MOST_COMPARED)
     nearest = np.ones(len(cells), np.float32)
     if len(examples):
-        nearest = _apart(features, taught[examples] / scale).min(axis=1)
+        nearest = _dissimilarity(features, taught[examples] / scale).min(axis=1)
     share = len(points) / len(cells)
     found = []
     for _ in range(min(most, len(considered))):
@@ -99,7 +99,7 @@ def _rarity(best: Cells, kinds: int, options: DoubtOptions) -> NDArray[np.float6
     return np.asarray(weight[best].max(axis=1), np.float64)
 
 
-def _apart(one: Floats, other: Floats) -> Floats:
+def _dissimilarity(one: Floats, other: Floats) -> Floats:
     """Compare features (n, F) and (m, F): (n, m), 0 alike, 1 unlike."""
     out = np.empty((len(one), len(other)), np.float32)
     for at in range(0, len(one), AT_ONCE):

@@ -71,18 +71,18 @@ def fit_box(
     if not views:
         raise BadInputError(f"points: expected {chosen.least_points} or more in a frame, got fewer")
     if len(views) == 1:
-        return _still(views, fit_still(views, priors, chosen), posed=False)
+        return _still_result(views, fit_still(views, priors, chosen), posed=False)
     start = start_of(views, posed, priors, chosen)
     if not start.moves and posed:
-        return _still(views, fit_still(views, priors, chosen), posed)
+        return _still_result(views, fit_still(views, priors, chosen), posed)
     level = fit_moving(start, chosen)
     if not start.moves:
-        return _still(views, level)
+        return _still_result(views, level)
     distance = float(np.linalg.norm(level.centres[-1] - level.centres[0]))
     return _result(views, level, moves=True, known=distance > chosen.headed)
 
 
-def _still(views: list[View], level: Level, posed: bool = False) -> FittedBox:
+def _still_result(views: list[View], level: Level, posed: bool = False) -> FittedBox:
     """Return a static object's fit turned to its front, known if a posed sensor passed it."""
     if level.prior.person:
         return _result(views, level, moves=False, known=False)

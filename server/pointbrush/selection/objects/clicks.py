@@ -64,7 +64,10 @@ def place_clicks(
     reach = options.real_reach * state.size
     cell, nearest, farthest = _distances(state.center, state.piece, points, real, reach)
     if first and state.sensor == "lidar":
-        beside = [_beside(state, *each, real, options) for each in zip(points, cell, strict=True)]
+        beside = [
+            _nearest_cell_along(state, *each, real, options)
+            for each in zip(points, cell, strict=True)
+        ]
         moved = np.array(beside, np.int64) != cell
         if moved.any():
             points[moved] = state.center[beside][moved]
@@ -72,7 +75,9 @@ def place_clicks(
     return Clicks(points, cell, state.piece[cell].astype(np.int64), nearest, farthest)
 
 
-def _beside(state: ObjectState, at: Floats, cell: int, real: Mask, options: ClickOptions) -> int:
+def _nearest_cell_along(
+    state: ObjectState, at: Floats, cell: int, real: Mask, options: ClickOptions
+) -> int:
     """Return the nearest cell of a piece in about the direction of a click.
 
     ``at`` (3,): position of the click; ``cell``: its cell, returned if there is no other.

@@ -287,12 +287,12 @@ def excess(moved: F64, target: Target, unit: float, options: RegistrationOptions
     An object placed inside a larger surface fits it well, but the surface continues around it.
     ``moved`` (K, M, 3): moved source points.
     """
-    beside = _beside(moved, target.xyz, options.beside_units * unit, options.on_units * unit)
+    beside = _beside_ratio(moved, target.xyz, options.beside_units * unit, options.on_units * unit)
     return np.asarray(options.excess_cost * np.minimum(1.0, beside))
 
 
 @compiled
-def _beside(moved: F64, xyz: F64, near: float, on: float) -> F64:
+def _beside_ratio(moved: F64, xyz: F64, near: float, on: float) -> F64:
     """Return the ratio (K,) of points (N, 3) beside each surface (K, M, 3) to points on it.
 
     Points on it are closer than ``on`` metres, points beside it closer than ``near`` metres.

@@ -220,7 +220,7 @@ def _before_and_behind(
     for core in cores.values():
         inside[core] = True
     outside &= ~inside & ~taken
-    return inside, _beside(view, np.flatnonzero(outside), np.flatnonzero(inside), size)
+    return inside, _touching_points(view, np.flatnonzero(outside), np.flatnonzero(inside), size)
 
 
 def _others(
@@ -306,7 +306,7 @@ def _by_clothes(
     return far
 
 
-def _beside(view: View, still: I64, moving: I64, size: float) -> I64:
+def _touching_points(view: View, still: I64, moving: I64, size: float) -> I64:
     """Return the points of ``still`` that touch moving ones, by cells of ``size`` metres."""
     some = moving[:: max(1, len(moving) // view.options.body.sampled_points)]
     if not len(some) or not len(still):

@@ -63,7 +63,7 @@ def flood(core: F64, rest: F64, limits: Limits) -> tuple[Mask, bool]:
     """
     reach = limits.reach
     joined, order = np.zeros(len(rest), np.bool_), np.empty(len(rest), np.int64)
-    count = _beside(core, rest, reach, joined, order)
+    count = _mark_near_core(core, rest, reach, joined, order)
     if count == 0:
         return joined, True
     first, grid = 0, columns(rest, NONE, 0.0)
@@ -131,7 +131,7 @@ def _join_around(
 
 
 @compiled
-def _beside(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int:
+def _mark_near_core(core: F64, rest: F64, reach: float, joined: Mask, order: I64) -> int:
     """Mark the points of ``rest`` near the core and write them to ``order``; return the number."""
     lo, hi = bounds(core)
     grid, count = columns(core, NONE, 0.0), 0

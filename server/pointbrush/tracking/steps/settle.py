@@ -37,7 +37,7 @@ def evidence(track: Track, observation: Observation, points: I64) -> Evidence:
     m = max(len(found.indices), 1)
     count = max(len(points), 1)
     some = points[:: max(1, len(points) // track.options.update.colour_points)]
-    left, others = _beside(track, view, fit, points, given.owned)
+    left, others = _moving_around(track, view, fit, points, given.owned)
     return Evidence(
         inliers=verdict.inliers,
         sure=float((track.model.hits[found.nearest] >= track.options.surface.sure_hits).mean()),
@@ -85,7 +85,7 @@ def _unclaimed_beside(track: Track, observation: Observation, points: I64) -> fl
     return float(close_to(view.xyz[rest].astype(np.float64), own, reach).sum() / len(points))
 
 
-def _beside(
+def _moving_around(
     track: Track, view: View, fit: Registration, points: I64, others: I64
 ) -> tuple[int, int]:
     """Return the numbers of moving points around an object's ``points`` (M,).
