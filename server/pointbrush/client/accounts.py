@@ -17,7 +17,7 @@ class Accounts(Part[L]):
     @steps
     def all(self) -> Steps[list[Account]]:
         """Return the accounts that have or had tokens, by name."""
-        answer = yield from send(Request("GET", "/accounts", again=True))
+        answer = yield from send(Request("GET", "/accounts", idempotent=True))
         return [read(Account, entry) for entry in answer.json()]
 
     @steps
@@ -34,7 +34,7 @@ class Accounts(Part[L]):
     @steps
     def tokens(self, account: str) -> Steps[list[Token]]:
         """Return the tokens of an account, oldest first; raises NotFoundError."""
-        answer = yield from send(Request("GET", _tokens(account), again=True))
+        answer = yield from send(Request("GET", _tokens(account), idempotent=True))
         return [read(Token, entry) for entry in answer.json()]
 
     @steps
@@ -49,7 +49,7 @@ class Accounts(Part[L]):
     def revoke(self, account: str, token: str | None = None) -> Steps[None]:
         """Revoke a token of an account by its id (None: all); raises NotFoundError."""
         query: dict[str, Any] = {} if token is None else {"params": {"id": token}}
-        yield from send(Request("DELETE", _tokens(account), query, again=True))
+        yield from send(Request("DELETE", _tokens(account), query, idempotent=True))
 
 
 def _tokens(account: str) -> str:

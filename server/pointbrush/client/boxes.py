@@ -38,7 +38,7 @@ class Boxes(Part[L]):
     @steps
     def __getitem__(self, box: int) -> Steps[Box]:
         """Return a box by its id; raises NotFoundError."""
-        answer = yield from send(Request("GET", f"{self._place}/{box}", again=True))
+        answer = yield from send(Request("GET", f"{self._place}/{box}", idempotent=True))
         return read(Box, answer.json())
 
     @steps
@@ -91,7 +91,7 @@ class Boxes(Part[L]):
         """Delete a box."""
         query = {"edit": str(uuid.uuid4())}
         place = f"{self._place}/{box}"
-        answer = yield from send(Request("DELETE", place, {"params": query}, again=True))
+        answer = yield from send(Request("DELETE", place, {"params": query}, idempotent=True))
         return read(Edit, answer.json())
 
     @steps
@@ -101,7 +101,7 @@ class Boxes(Part[L]):
         """Label the points inside a box with its label, in its frames ``I:J`` (None: all)."""
         body = BoxPoints(frames, only_unlabeled, str(uuid.uuid4())).given()
         place = f"{self._place}/{box}/points"
-        answer = yield from send(Request("POST", place, {"json": body}, again=True))
+        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
         return read(Edit, answer.json())
 
     @steps
@@ -124,12 +124,12 @@ class Boxes(Part[L]):
     def _listed(self, frame: int | None, label: int | None) -> Steps[list[Box]]:
         given = {"frame": frame, "label": label}
         query = {name: value for name, value in given.items() if value is not None}
-        answer = yield from send(Request("GET", self._place, {"params": query}, again=True))
+        answer = yield from send(Request("GET", self._place, {"params": query}, idempotent=True))
         return [read(Box, entry) for entry in answer.json()["boxes"]]
 
     def _edited(self, method: str, place: str, body: Mapping[str, Any]) -> Steps[Box]:
         named = {**body, "edit": str(uuid.uuid4())}
-        answer = yield from send(Request(method, place, {"json": named}, again=True))
+        answer = yield from send(Request(method, place, {"json": named}, idempotent=True))
         return read(Box, answer.json()["box"])
 
 

@@ -63,13 +63,13 @@ class Classifiers(Part[L]):
     @steps
     def all(self) -> Steps[list[Classifier]]:
         """Return all classifiers, by id."""
-        answer = yield from send(Request("GET", "/classifiers", again=True))
+        answer = yield from send(Request("GET", "/classifiers", idempotent=True))
         return [read(Classifier, entry) for entry in answer.json()]
 
     @steps
     def __getitem__(self, classifier: str) -> Steps[Classifier]:
         """Return a classifier by its id; raises NotFoundError."""
-        answer = yield from send(Request("GET", f"/classifiers/{classifier}", again=True))
+        answer = yield from send(Request("GET", f"/classifiers/{classifier}", idempotent=True))
         return read(Classifier, answer.json())
 
     @steps
@@ -95,7 +95,7 @@ class Classifiers(Part[L]):
         """Train on the current labels, also of further recordings, and save the classifier."""
         body = MoreExamples(tuple(recordings)).given()
         place = f"/classifiers/{classifier}/teach"
-        answer = yield from send(Request("POST", place, {"json": body}, again=True))
+        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
         return read(Classifier, answer.json())
 
     @steps
@@ -108,7 +108,7 @@ class Classifiers(Part[L]):
         """Write a classifier to a file for ``load``, and return the file's path."""
         target = Path(out)
         place = f"/classifiers/{classifier}/file"
-        answer = yield from send(Request("GET", place, again=True))
+        answer = yield from send(Request("GET", place, idempotent=True))
         target.write_bytes(answer.content)
         return target
 
@@ -144,13 +144,15 @@ class ByExample(Part[L]):
         """
         body = PredictionRequest(classifier, tuple_of(labels), vector(place)).given()
         path = f"/sequences/{self._sequence}/frames/{frame}/prediction"
-        return _prediction((yield from send(Request("POST", path, {"json": body}, again=True))))
+        return _prediction(
+            (yield from send(Request("POST", path, {"json": body}, idempotent=True)))
+        )
 
     @steps
     def starts(self) -> Steps[dict[str, tuple[str, ...]]]:
         """Return the recordings that a classifier of this one can start from, with classes."""
         path = f"/sequences/{self._sequence}/starts"
-        answer = yield from send(Request("GET", path, again=True))
+        answer = yield from send(Request("GET", path, idempotent=True))
         starts = [read(Start, entry) for entry in answer.json()]
         return {start.recording: start.classes for start in starts}
 
@@ -175,7 +177,7 @@ class ByExample(Part[L]):
         query |= {"workspace": "true"} if workspace else {}
         query |= {} if near is None else {"near": list(near)}
         path = f"/sequences/{self._sequence}/doubt"
-        answer = yield from send(Request("GET", path, {"params": query}, again=True))
+        answer = yield from send(Request("GET", path, {"params": query}, idempotent=True))
         return [read(Place, entry) for entry in answer.json()]
 
     @steps

@@ -58,7 +58,7 @@ class Server(Part[L]):
         ``options`` are passed to httpx.  Raises the errors of ``pointbrush.errors``;
         UnavailableError if no server answers.
         """
-        return (yield from send(Request(method, path, options, again=method == "GET")))
+        return (yield from send(Request(method, path, options, idempotent=method == "GET")))
 
     # ── recordings ───────────────────────────────────────────────────────────────────────
 
@@ -75,7 +75,7 @@ class Server(Part[L]):
         Criteria: project, class_, label, state (of a task), person.
         """
         query = {name.rstrip("_"): value for name, value in wanted.items()} | {"q": q}
-        answer = yield from send(Request("GET", "/sequences", {"params": query}, again=True))
+        answer = yield from send(Request("GET", "/sequences", {"params": query}, idempotent=True))
         return [read(Manifest, entry) for entry in answer.json()]
 
     @steps
@@ -84,11 +84,11 @@ class Server(Part[L]):
         return (yield from self._manifests())
 
     def _manifests(self, query: str = "") -> Steps[list[Manifest]]:
-        answer = yield from send(Request("GET", f"/sequences{query}", again=True))
+        answer = yield from send(Request("GET", f"/sequences{query}", idempotent=True))
         return [read(Manifest, entry) for entry in answer.json()]
 
     def _open(self, sequence: str) -> Steps[Recording[L]]:
-        answer = yield from send(Request("GET", f"/sequences/{sequence}", again=True))
+        answer = yield from send(Request("GET", f"/sequences/{sequence}", idempotent=True))
         return Recording(self._link, read(Manifest, answer.json()))
 
     @steps
@@ -128,7 +128,7 @@ class Server(Part[L]):
         known = (each.identity for each in deleted if sequence in (each.id, each.identity))
         key = next(known, None)
         path = f"/sequences/{key or sequence}/restore"
-        answer = yield from send(Request("POST", path, again=key is not None))
+        answer = yield from send(Request("POST", path, idempotent=key is not None))
         return Recording(self._link, read(Manifest, answer.json()))
 
     # ── imports ──────────────────────────────────────────────────────────────────────────
@@ -237,13 +237,13 @@ class Server(Part[L]):
     @steps
     def taxonomy(self) -> Steps[list[Category]]:
         """Return the workspace's classes, by number."""
-        answer = yield from send(Request("GET", "/taxonomy", again=True))
+        answer = yield from send(Request("GET", "/taxonomy", idempotent=True))
         return list(read(Taxonomy, answer.json()).categories)
 
     @steps
     def box_attributes(self) -> Steps[list[BoxAttribute]]:
         """Return the attributes of boxes beside occluded, truncated and parked."""
-        answer = yield from send(Request("GET", "/taxonomy", again=True))
+        answer = yield from send(Request("GET", "/taxonomy", idempotent=True))
         return list(read(Taxonomy, answer.json()).attributes)
 
     @steps
@@ -259,7 +259,7 @@ class Server(Part[L]):
         """
         every = None if attributes is None else tuple(attributes)
         body = TaxonomyChange(tuple(categories), every).given()
-        yield from send(Request("PUT", "/taxonomy", {"json": body}, again=True))
+        yield from send(Request("PUT", "/taxonomy", {"json": body}, idempotent=True))
 
     @steps
     def merge_categories(self, number: int, others: Sequence[int]) -> Steps[None]:
@@ -270,17 +270,17 @@ class Server(Part[L]):
     @steps
     def delete_category(self, number: int) -> Steps[None]:
         """Remove a class; raises ConflictError while labels have it."""
-        yield from send(Request("DELETE", f"/taxonomy/{number}", again=True))
+        yield from send(Request("DELETE", f"/taxonomy/{number}", idempotent=True))
 
     @steps
     def templates(self) -> Steps[list[str]]:
         """Return the names of the palettes for ``Recording.add_palette``."""
-        return list((yield from send(Request("GET", "/templates", again=True))).json())
+        return list((yield from send(Request("GET", "/templates", idempotent=True))).json())
 
     @steps
     def export_formats(self) -> Steps[list[ExportFormat]]:
         """Return the export formats, with the content that each cannot hold."""
-        answer = yield from send(Request("GET", "/exports", again=True))
+        answer = yield from send(Request("GET", "/exports", idempotent=True))
         return [read(ExportFormat, entry) for entry in answer.json()]
 
     # ── jobs ─────────────────────────────────────────────────────────────────────────────
@@ -288,7 +288,7 @@ class Server(Part[L]):
     @steps
     def jobs(self) -> Steps[list[Job]]:
         """Return the jobs that the server remembers, newest first."""
-        answer = yield from send(Request("GET", "/jobs", again=True))
+        answer = yield from send(Request("GET", "/jobs", idempotent=True))
         return [read(Job, entry) for entry in answer.json()]
 
     @steps
@@ -304,8 +304,8 @@ class Server(Part[L]):
         """Cancel a job and return it; ``keep`` commits the labels found by a tracking run."""
         query = {"keep": json.dumps(keep)}
         try:
-            asked = Request("DELETE", f"/jobs/{job}", {"params": query}, again=True)
-            return read(Job, (yield from send(asked)).json())
+            request = Request("DELETE", f"/jobs/{job}", {"params": query}, idempotent=True)
+            return read(Job, (yield from send(request)).json())
         except ConflictError:
             ended = yield from job_now(job)
             if ended.state != "cancelled":  # by an earlier call with a lost answer

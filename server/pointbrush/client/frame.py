@@ -31,14 +31,14 @@ class Frame(Part[L]):
         return f"Frame({self._sequence!r}, {self.index})"
 
     def _call(
-        self, method: str, path: str, *, again: bool = False, **options: Any
+        self, method: str, path: str, *, idempotent: bool = False, **options: Any
     ) -> Steps[httpx.Response]:
         place = f"/sequences/{self._sequence}/frames/{self.index}{path}"
-        return send(Request(method, place, options, again=again or method == "GET"))
+        return send(Request(method, place, options, idempotent=idempotent or method == "GET"))
 
     def _edit(self, path: str, body: Mapping[str, Any]) -> Steps[Edit]:
         named = {"id": str(uuid.uuid4()), **body}
-        answer = yield from self._call("POST", path, json=named, again=True)
+        answer = yield from self._call("POST", path, json=named, idempotent=True)
         return read(Edit, answer.json())
 
     # ── points and pictures ──────────────────────────────────────────────────────────────
@@ -95,7 +95,7 @@ class Frame(Part[L]):
         answer = yield from self._call(
             "PUT",
             "/annotation",
-            again=True,
+            idempotent=True,
             content=npy_of(layer_of(values, layer)),
             headers=headers,
             params={"layer": layer, "id": str(uuid.uuid4())},
@@ -141,7 +141,7 @@ class Frame(Part[L]):
         body = {"positives": rays(origins, directions), **fields}
         if negatives is not None:
             body["negatives"] = rays(*negatives)
-        answer = yield from self._call("POST", "/object", json=body, again=True)
+        answer = yield from self._call("POST", "/object", json=body, idempotent=True)
         return list(read(Candidates, answer.json()).candidates)
 
     @steps

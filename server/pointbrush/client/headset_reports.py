@@ -27,7 +27,7 @@ class HeadsetReports(Part[L]):
     @steps
     def all(self) -> Steps[list[HeadsetReport]]:
         """Return the reports, newest first, for managers."""
-        answer = yield from send(Request("GET", "/headset-reports", again=True))
+        answer = yield from send(Request("GET", "/headset-reports", idempotent=True))
         return [read(HeadsetReport, entry) for entry in answer.json()]
 
     @steps

@@ -62,13 +62,13 @@ class Project(Part[L]):
         """
         numbers = categories if categories is UNSET else tuple_of(categories)
         body = ProjectPatch(name, roles, numbers, tuple_of(recordings)).given()
-        answer = yield from send(Request("PATCH", self._place, {"json": body}, again=True))
+        answer = yield from send(Request("PATCH", self._place, {"json": body}, idempotent=True))
         return read(ProjectInfo, answer.json())
 
     @steps
     def statistics(self) -> Steps[Statistics]:
         """Return points, objects and hours, by class and person."""
-        answer = yield from send(Request("GET", f"{self._place}/statistics", again=True))
+        answer = yield from send(Request("GET", f"{self._place}/statistics", idempotent=True))
         return read(Statistics, answer.json())
 
     @steps
@@ -94,7 +94,7 @@ class Project(Part[L]):
         query: dict[str, Any] = {n: value for n, value in wanted.items() if value is not None}
         found: list[Task] = []
         while True:
-            request = Request("GET", f"{self._place}/tasks", {"params": query}, again=True)
+            request = Request("GET", f"{self._place}/tasks", {"params": query}, idempotent=True)
             part = [read(Task, entry) for entry in (yield from send(request)).json()]
             if not part:
                 return found
@@ -122,20 +122,22 @@ class Project(Part[L]):
             tuple_of(recordings), frames, every, assignee, people, truth, str(uuid.uuid4())
         )
         body = new.given()
-        request = Request("POST", f"{self._place}/tasks", {"json": body}, again=True)
+        request = Request("POST", f"{self._place}/tasks", {"json": body}, idempotent=True)
         return [read(Task, entry) for entry in (yield from send(request)).json()]
 
     @steps
     def next_task(self, work: Work = "label") -> Steps[Task | None]:
         """Take the next task, or return the caller's current task; None if the queue is empty."""
-        request = Request("POST", f"{self._place}/tasks/next", {"json": {"work": work}}, again=True)
+        request = Request(
+            "POST", f"{self._place}/tasks/next", {"json": {"work": work}}, idempotent=True
+        )
         found = (yield from send(request)).json()
         return None if found is None else read(Task, found)
 
     @steps
     def task(self, number: int) -> Steps[Task]:
         """Return a task by its number; raises NotFoundError."""
-        request = Request("GET", f"{self._place}/tasks/{number}", again=True)
+        request = Request("GET", f"{self._place}/tasks/{number}", idempotent=True)
         return read(Task, (yield from send(request)).json())
 
     @steps
@@ -154,7 +156,7 @@ class Project(Part[L]):
         Raises ForbiddenError, ConflictError, BadInputError.
         """
         body = TaskPatch(state, assignee, note, frame, vector(place)).given()
-        request = Request("PATCH", f"{self._place}/tasks/{number}", {"json": body}, again=True)
+        request = Request("PATCH", f"{self._place}/tasks/{number}", {"json": body}, idempotent=True)
         return read(Task, (yield from send(request)).json())
 
     @steps
@@ -165,7 +167,7 @@ class Project(Part[L]):
     @steps
     def task_history(self, number: int) -> Steps[list[TaskEvent]]:
         """Return the changes of a task, newest first."""
-        request = Request("GET", f"{self._place}/tasks/{number}/history", again=True)
+        request = Request("GET", f"{self._place}/tasks/{number}/history", idempotent=True)
         return [read(TaskEvent, entry) for entry in (yield from send(request)).json()]
 
     # ── agreement ────────────────────────────────────────────────────────────────────────
@@ -175,7 +177,7 @@ class Project(Part[L]):
         """Compare the copies of a recording in pairs; return agreement and differing places."""
         query = {"sequence": sequence}
         place = f"{self._place}/agreement"
-        answer = yield from send(Request("GET", place, {"params": query}, again=True))
+        answer = yield from send(Request("GET", place, {"params": query}, idempotent=True))
         return [read(CopyAgreement, entry) for entry in answer.json()]
 
     @steps
@@ -194,13 +196,13 @@ class Project(Part[L]):
         if labels is not None:
             region = Region({name: tuple(each) for name, each in labels.items()}, frame)
         body = CopyMerge(sequence, take, region, str(uuid.uuid4())).given()
-        request = Request("POST", f"{self._place}/merge", {"json": body}, again=True)
+        request = Request("POST", f"{self._place}/merge", {"json": body}, idempotent=True)
         return read(Edit, (yield from send(request)).json())
 
     @steps
     def scores(self) -> Steps[list[Score]]:
         """Return the scores of each person on tasks with ground truth."""
-        answer = yield from send(Request("GET", f"{self._place}/scores", again=True))
+        answer = yield from send(Request("GET", f"{self._place}/scores", idempotent=True))
         return [read(Score, entry) for entry in answer.json()]
 
     # ── webhooks ─────────────────────────────────────────────────────────────────────────
@@ -208,7 +210,7 @@ class Project(Part[L]):
     @steps
     def webhooks(self) -> Steps[list[Webhook]]:
         """Return the webhooks of the project."""
-        answer = yield from send(Request("GET", f"{self._place}/webhooks", again=True))
+        answer = yield from send(Request("GET", f"{self._place}/webhooks", idempotent=True))
         return [read(Webhook, entry) for entry in answer.json()]
 
     @steps
@@ -227,7 +229,7 @@ class Project(Part[L]):
     def deliveries(self, webhook: str) -> Steps[list[Delivery]]:
         """Return the latest events of a webhook with their delivery, newest first."""
         place = f"{self._place}/webhooks/{webhook}/deliveries"
-        answer = yield from send(Request("GET", place, again=True))
+        answer = yield from send(Request("GET", place, idempotent=True))
         return [read(Delivery, entry) for entry in answer.json()]
 
     # ── versions ─────────────────────────────────────────────────────────────────────────
@@ -235,7 +237,7 @@ class Project(Part[L]):
     @steps
     def snapshots(self) -> Steps[list[Snapshot]]:
         """Return the snapshots of the project's labels, newest first."""
-        answer = yield from send(Request("GET", f"{self._place}/snapshots", again=True))
+        answer = yield from send(Request("GET", f"{self._place}/snapshots", idempotent=True))
         return [read(Snapshot, entry) for entry in answer.json()]
 
     @steps
@@ -257,7 +259,7 @@ class Project(Part[L]):
         given = {"with": other, "sequence": sequence}
         query = {name: value for name, value in given.items() if value is not None}
         place = f"{self._place}/snapshots/{snapshot}/difference"
-        answer = yield from send(Request("GET", place, {"params": query}, again=True))
+        answer = yield from send(Request("GET", place, {"params": query}, idempotent=True))
         return [read(Difference, entry) for entry in answer.json()]
 
 
@@ -267,13 +269,13 @@ class Projects(Part[L]):
     @steps
     def all(self) -> Steps[list[Project[L]]]:
         """Return the caller's projects, by name."""
-        answer = yield from send(Request("GET", "/projects", again=True))
+        answer = yield from send(Request("GET", "/projects", idempotent=True))
         return [Project(self._link, read(ProjectInfo, entry)) for entry in answer.json()]
 
     @steps
     def __getitem__(self, project: str) -> Steps[Project[L]]:
         """Return a project by its id; raises NotFoundError."""
-        answer = yield from send(Request("GET", f"/projects/{project}", again=True))
+        answer = yield from send(Request("GET", f"/projects/{project}", idempotent=True))
         return Project(self._link, read(ProjectInfo, answer.json()))
 
     @steps

@@ -81,17 +81,17 @@ class Recording(Part[L]):
         method: str,
         path: str,
         *,
-        again: bool = False,
+        idempotent: bool = False,
         into: Path | None = None,
         **options: Any,
     ) -> Steps[httpx.Response]:
         place = f"/sequences/{self.id}{path}"
-        return send(Request(method, place, options, into, again or method == "GET"))
+        return send(Request(method, place, options, into, idempotent or method == "GET"))
 
     def _edit(self, method: str, path: str, body: dict[str, Any] | None = None) -> Steps[Edit]:
         """Make an edit once, by a call with the edit's id in its body."""
         named = {"id": str(uuid.uuid4()), **(body or {})}
-        answer = yield from self._call(method, path, again=True, json=named)
+        answer = yield from self._call(method, path, idempotent=True, json=named)
         return read(Edit, answer.json())
 
     def _palette_edit(
@@ -99,7 +99,7 @@ class Recording(Part[L]):
     ) -> Steps[dict[str, Any]]:
         """Make an edit once, by a call with the edit's id in its query."""
         query, given = {"edit": str(uuid.uuid4())}, body and body.given()
-        answer = yield from self._call(method, path, again=True, params=query, json=given)
+        answer = yield from self._call(method, path, idempotent=True, params=query, json=given)
         found: dict[str, Any] = answer.json()
         return found
 
@@ -156,7 +156,9 @@ class Recording(Part[L]):
     def add_palette(self, template: str) -> Steps[list[str]]:
         """Add the classes of a well-known dataset; return the names of the new labels."""
         # A repeated call finds the labels in the palette: it needs no id.
-        answer = yield from self._call("POST", "/palette", again=True, json={"template": template})
+        answer = yield from self._call(
+            "POST", "/palette", idempotent=True, json={"template": template}
+        )
         return list(read(AddedLabels, answer.json()).added)
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
@@ -202,7 +204,12 @@ class Recording(Part[L]):
         query = {"layer": layer, "id": str(uuid.uuid4())}
         headers = {"Content-Type": "application/zip"}
         answer = yield from self._call(
-            "PUT", "/annotations", again=True, content=npz_of(arrays), headers=headers, params=query
+            "PUT",
+            "/annotations",
+            idempotent=True,
+            content=npz_of(arrays),
+            headers=headers,
+            params=query,
         )
         return read(Edit, answer.json())
 
@@ -362,7 +369,7 @@ class Recording(Part[L]):
     def import_source_labels(self) -> Steps[None]:
         """Import the labels in the recording's own files that were not imported with it."""
         place = f"/sequences/{self.id}/source-labels"
-        yield from send(Request("POST", place, again=True))
+        yield from send(Request("POST", place, idempotent=True))
 
     def _label_import(
         self,
@@ -394,17 +401,17 @@ class Recording(Part[L]):
         confidence of predicted labels, 0 to 1.  ``snapshot``: labels of a snapshot instead of the
         current ones.
         """
-        asked = {"format": format, "frames": frames, "val": val, "above": above or None}
-        asked |= {"snapshot": snapshot}
-        return (yield from self._export(out, asked))
+        options = {"format": format, "frames": frames, "val": val, "above": above or None}
+        options |= {"snapshot": snapshot}
+        return (yield from self._export(out, options))
 
-    def _export(self, out: AnyPath, asked: dict[str, Any]) -> Steps[Path]:
-        query = {key: value for key, value in asked.items() if value is not None}
+    def _export(self, out: AnyPath, options: dict[str, Any]) -> Steps[Path]:
+        query = {key: value for key, value in options.items() if value is not None}
         target = Path(out)
         partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")
         try:
             place = f"/sequences/{self.id}/export"
-            yield from send(Request("GET", place, {"params": query}, into=partial, again=True))
+            yield from send(Request("GET", place, {"params": query}, into=partial, idempotent=True))
             partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
@@ -417,7 +424,7 @@ class Recording(Part[L]):
         """Change the name or the frame rate, and return the new manifest."""
         given = {"name": name, "fps": fps}
         body = {key: value for key, value in given.items() if value is not None}
-        answer = yield from self._call("PATCH", "", json=body, again=True)
+        answer = yield from self._call("PATCH", "", json=body, idempotent=True)
         self.manifest = read(Manifest, answer.json())
         self.name = self.manifest.name
         return self.manifest
@@ -427,4 +434,4 @@ class Recording(Part[L]):
         """Delete the recording with its labels; ``Client.restore`` restores it within 30 days."""
         identity = self.manifest.identity
         query = {} if identity is None else {"identity": identity}
-        yield from self._call("DELETE", "", again=identity is not None, params=query)
+        yield from self._call("DELETE", "", idempotent=identity is not None, params=query)

@@ -33,7 +33,7 @@ class Review(Part[L]):
     def _get(self, path: str, **query: Any) -> Steps[httpx.Response]:
         given = {name: value for name, value in query.items() if value is not None}
         place = f"/sequences/{self._sequence}{path}"
-        return send(Request("GET", place, {"params": given}, again=True))
+        return send(Request("GET", place, {"params": given}, idempotent=True))
 
     @steps
     def counts(self) -> Steps[dict[ReviewState, int]]:
@@ -72,7 +72,7 @@ class Review(Part[L]):
         end = first if last is None else last
         body = ReviewPatch(state, note, vector(place), assignee, label, first, end).given()
         path = f"/sequences/{self._sequence}/review"
-        yield from send(Request("PUT", path, {"json": body}, again=True))
+        yield from send(Request("PUT", path, {"json": body}, idempotent=True))
 
     @steps
     def history(self, limit: int = 100) -> Steps[list[Decision]]:

@@ -39,7 +39,7 @@ LONGEST_WAIT = 5.0
 """Maximum seconds between two attempts, also if the server asks for more."""
 LATER = (429, 503)
 """Statuses of an answer to a call without effect; another attempt may succeed."""
-AWAY = (502, 504)
+UNREACHABLE = (502, 504)
 """Statuses of a proxy without its server; the call may have had its effect."""
 POLL_SECONDS = 0.2
 """Seconds between two polls of a job."""
@@ -50,7 +50,7 @@ ENDED = ("done", "failed", "cancelled")
 class Request:
     """A call; ``into``: file for the body of a successful answer.
 
-    ``again``: the call is idempotent, and is repeated if the connection is lost before the answer.
+    ``idempotent``: the call is repeated if the connection is lost before the answer.
     ``patience``: minimum seconds in which the call is repeated, beyond ``ATTEMPTS`` too.
     """
 
@@ -58,7 +58,7 @@ class Request:
     path: str
     options: dict[str, Any] = field(default_factory=dict)
     into: Path | None = None
-    again: bool = False
+    idempotent: bool = False
     patience: float = 0.0
 
 
@@ -85,7 +85,7 @@ def send(request: Request) -> Steps[httpx.Response]:
 
     Raises the errors of ``pointbrush.errors``; LostError if no server answers.
     """
-    wait, again = FIRST_WAIT, (*LATER, *AWAY) if request.again else LATER
+    wait, retried_statuses = FIRST_WAIT, (*LATER, *UNREACHABLE) if request.idempotent else LATER
     deadline = time.monotonic() + request.patience
     for attempt in itertools.count(1):
         last = attempt >= ATTEMPTS and time.monotonic() >= deadline
@@ -93,11 +93,11 @@ def send(request: Request) -> Steps[httpx.Response]:
             answer = yield request
         except httpx.HTTPError as error:
             reason = str(error) or type(error).__name__
-            if not request.again or last:
+            if not request.idempotent or last:
                 raise LostError(f"url: expected a server that answers: {reason}") from None
         else:
             assert answer is not None  # noqa: S101 – links answer requests
-            if answer.status_code not in again or last:
+            if answer.status_code not in retried_statuses or last:
                 raise_for(answer)
                 return answer
             reason = f"{answer.status_code} {answer.reason_phrase}"
@@ -232,7 +232,7 @@ class steps(Generic[P, T]):  # noqa: N801 – a decorator
 
 def job_now(job: str, patience: float = 0.0) -> Steps[Job]:
     """Return the current state of a job; ``patience`` as of ``Request``."""
-    answer = yield from send(Request("GET", f"/jobs/{job}", again=True, patience=patience))
+    answer = yield from send(Request("GET", f"/jobs/{job}", idempotent=True, patience=patience))
     return read(Job, answer.json())
 
 
@@ -243,12 +243,12 @@ def started(job: str, request: Request) -> Steps[Job]:
     repeated once if the server has none.  Files are uploaded at most twice.
     """
     try:
-        return read(Job, (yield from send(replace(request, again=False))).json())
+        return read(Job, (yield from send(replace(request, idempotent=False))).json())
     except LostError:
         try:
             return (yield from job_now(job, request.patience))
         except errors.NotFoundError:
-            return read(Job, (yield from send(replace(request, again=False))).json())
+            return read(Job, (yield from send(replace(request, idempotent=False))).json())
 
 
 def finished(job: Job, *, progress: bool, patience: float) -> Steps[dict[str, Any]]:

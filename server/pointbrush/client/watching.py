@@ -51,10 +51,10 @@ class Watch(Part[L]):
         while not self._ahead:
             query = {"wait": WAIT_SECONDS, "after": self.revision, "jobs_seen": self._jobs_seen}
             given = {name: value for name, value in query.items() if value is not None}
-            asked = Request(
-                "GET", self._path, {"params": given}, again=True, patience=self._patience
+            request = Request(
+                "GET", self._path, {"params": given}, idempotent=True, patience=self._patience
             )
-            self._take(read(Events, (yield from send(asked)).json()))
+            self._take(read(Events, (yield from send(request)).json()))
         return self._ahead.popleft()
 
     def _take(self, answer: Events) -> None:
