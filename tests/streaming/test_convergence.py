@@ -304,7 +304,7 @@ def test_a_job_is_told_once_the_database_says_whom_it_is_for(workspace: Workspac
             await person.leave()
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hub_module, "AGAIN_SECONDS", 0.01)
+        patch.setattr(hub_module, "RESEND_SECONDS", 0.01)
         asyncio.run(asyncio.wait_for(scenario(), 2 * PATIENCE))
     assert len(asked) == 2
 

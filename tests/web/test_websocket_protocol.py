@@ -53,7 +53,7 @@ def connected(
         assert (await receive())["type"] == "websocket.connect"
         await send({"type": "websocket.accept"})
         link = scope["extensions"][EXTENSION]["link"]
-        link.hear = taken
+        link.on_message = taken
         while (event := await receive())["type"] == "websocket.receive":
             messages.append(event.get("bytes") or event["text"].encode())
         messages.append(b"end")
@@ -113,7 +113,7 @@ def test_every_message_comes_once_and_in_order_however_it_is_cut(
         sent.append(body)
     came: list[bytes] = []
 
-    def hear(message: bytes) -> bool:
+    def on_message(message: bytes) -> bool:
         came.extend(messages)
         messages.clear()
         if message.startswith(b"late"):
@@ -121,7 +121,7 @@ def test_every_message_comes_once_and_in_order_however_it_is_cut(
         came.append(message)
         return True
 
-    with connected(hear) as (feed, messages, _):
+    with connected(on_message) as (feed, messages, _):
         feed(stream, size)
         assert came + messages == sent
 
@@ -167,7 +167,7 @@ def test_who_is_not_read_or_was_just_heard_is_not_taken_for_gone(why: str) -> No
     transport.is_closing.return_value = False
     link.read_paused = why == "not read"
     if why == "just heard":
-        link._heard_at = loop.time()
+        link._received_at = loop.time()
     link.keepalive_timeout()
     assert transport.close.called == (why == "gone")
     assert (link.pong_timer is None) == (why == "gone"), "it is looked at again"

@@ -46,7 +46,7 @@ SHORTAGE_SECONDS = 0.1
 """Pause after a connection failed because of a shortage of files or memory."""
 LOOK_SECONDS = 1.0
 """Polling interval of a job that waits for a worker."""
-SCHEDULER_AWAY = "waiting for the Dask scheduler, which does not answer"
+SCHEDULER_UNREACHABLE = "waiting for the Dask scheduler, which does not answer"
 SHORTAGE = "waiting for free files and memory for a worker"
 
 
@@ -357,7 +357,7 @@ class JobRunner:
                 if running.cancelled or self._closed:
                     return CancelledError("cancelled by the user")
                 self.known.change(
-                    job_id, message=SCHEDULER_AWAY if self._workers.unreachable else SHORTAGE
+                    job_id, message=SCHEDULER_UNREACHABLE if self._workers.unreachable else SHORTAGE
                 )
                 time.sleep(LOOK_SECONDS)
                 self._workers.look_for_scheduler()

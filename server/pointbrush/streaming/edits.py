@@ -155,12 +155,12 @@ class Editor:
     async def _apply_all(self, batch: list[Waiting]) -> None:
         """Apply edits; answer each edit after the turn that finished it."""
         done: list[Done] = []
-        work, finished, again = self._work(batch, done), False, False
+        work, finished, continued = self._work(batch, done), False, False
         while not finished:
-            finished = await self._hub.edit(take_turn, work, again=again)
-            again = True
+            finished = await self._hub.edit(take_turn, work, continued=continued)
+            continued = True
             for edit, result, came in done:
-                self._tell(edit, result)
+                self._send_result(edit, result)
                 if isinstance(edit, messages.StrokeEnd):
                     self._hub.metrics.strokes.observe(time.monotonic() - came)
             done.clear()
@@ -177,7 +177,7 @@ class Editor:
             if len(self._refused) > LIVE_STROKES * 8:
                 del self._refused[next(iter(self._refused))]
 
-    def _tell(self, edit: Edit, result: Result) -> None:
+    def _send_result(self, edit: Edit, result: Result) -> None:
         if isinstance(result, PointbrushError):
             self._viewer.refuse(result, edit.id)
             if isinstance(result, UnauthorizedError):
@@ -190,7 +190,7 @@ class Editor:
 
     def _work(self, batch: list[Waiting], done: list[Done]) -> Iterator[None]:
         """Apply edits and record each outcome; yield after each step, so that a turn can end."""
-        expelled = self._expelled()
+        expelled = self._admission_error()
         ends: set[str] = set()
         if self._hub.load.behind:
             ends = {one.edit.id for one in batch if isinstance(one.edit, messages.StrokeEnd)}
@@ -208,7 +208,7 @@ class Editor:
                 done.append((edit, error, one.came))
             yield
 
-    def _expelled(self) -> UnauthorizedError | None:
+    def _admission_error(self) -> UnauthorizedError | None:
         """Return an error if the viewer's token was revoked or has expired."""
         try:
             self._viewer.require_admitted()

@@ -44,7 +44,7 @@ VALUES_BYTES = 32 * 2**20
 """Memory for values of frames, run-length encoded; an unlabelled frame takes 1 kB."""
 READ_THREADS, EDIT_THREADS, LONG_THREADS = 4, 8, 2
 PRESENCE_HZ = 30.0
-AGAIN_SECONDS = 1.0
+RESEND_SECONDS = 1.0
 """Pause before the state of a job is sent again after the database was unavailable."""
 
 
@@ -67,7 +67,7 @@ class Hub:
         self._counted = (0, 0, 0)
         self._opening = asyncio.Lock()
         self._events: asyncio.Queue[Event] = asyncio.Queue()
-        self._untold: dict[str, Job] = {}
+        self._unsent_jobs: dict[str, Job] = {}
         self._reads = anyio.CapacityLimiter(READ_THREADS)
         self._edits = anyio.CapacityLimiter(EDIT_THREADS)
         self._long = anyio.CapacityLimiter(LONG_THREADS)
@@ -115,12 +115,12 @@ class Hub:
         with shortages_in_words():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
 
-    async def edit(self, function: Callable[..., T], *args: Any, again: bool = False) -> T:
+    async def edit(self, function: Callable[..., T], *args: Any, continued: bool = False) -> T:
         """Run a function that writes in a thread of a separate pool, so that readers do not wait.
 
-        ``again``: continue long work in the pool for long work; short edits keep their threads.
+        ``continued``: continue long work in the pool for long work; short edits keep their threads.
         """
-        if again:
+        if continued:
             with shortages_in_words():
                 return await anyio.to_thread.run_sync(function, *args, limiter=self._long)
         with self.load.edit(), shortages_in_words():
@@ -128,12 +128,12 @@ class Hub:
 
     # ── sent messages ────────────────────────────────────────────────────────────────────
 
-    def sent(self, nbytes: int) -> None:
+    def count_sent_frame(self, nbytes: int) -> None:
         """Count a frame message that was sent."""
         self._frames += 1
         self._bytes += nbytes
 
-    def skipped(self, frames: int) -> None:
+    def count_skipped_frames(self, frames: int) -> None:
         """Count frames that a playing viewer did not receive."""
         self._skipped += frames
 
@@ -199,10 +199,10 @@ class Hub:
         if room is None:
             return
         room.viewers.discard(viewer)
-        gone = self.presence.gone(viewer.id, room.id)
-        if gone is not None:
+        farewell = self.presence.remove(viewer.id, room.id)
+        if farewell is not None:
             for other in room.viewers:
-                other.outbox.presence[viewer.id] = gone
+                other.outbox.presence[viewer.id] = farewell
                 other.outbox.wake.set()
         if not room.viewers and self.rooms.get(room.id) is room:
             del self.rooms[room.id]
@@ -234,7 +234,7 @@ class Hub:
 
     async def _dispatch(self, event: Event) -> None:
         if isinstance(event, Job):
-            await self._tell_all(event)
+            await self._broadcast_job(event)
             return
         if isinstance(event, Compiling):
             message = compiling(event.step, event.progress)
@@ -252,7 +252,7 @@ class Hub:
         self, room: Room, event: ClassesRenamed | Commit | Prepared | Provisional | Retracted
     ) -> None:
         if isinstance(event, Commit):
-            await room.committed(event)
+            await room.on_commit(event)
         elif isinstance(event, Prepared):
             message = encode(messages.Prepared(sequence=event.sequence, frame=event.frame))
             for viewer in room.viewers:
@@ -260,30 +260,32 @@ class Hub:
         elif isinstance(event, Provisional):
             room.provisional(event)
         elif isinstance(event, ClassesRenamed):
-            room.classes_renamed()
+            room.on_classes_renamed()
         elif isinstance(event, Retracted):
-            room.retracted(event.frames)
+            room.on_retracted(event.frames)
 
-    async def _tell_all(self, job: Job) -> None:
+    async def _broadcast_job(self, job: Job) -> None:
         """Send a job's state to all viewers; retry while the database is unavailable."""
-        self._untold.pop(job.id, None)
+        self._unsent_jobs.pop(job.id, None)
         try:
-            await self.tell_job(job, self.viewers)
+            await self.send_job(job, self.viewers)
         except UnavailableError:
             # The database holds the job's permissions, and viewers need its last state.
-            self._untold[job.id] = job
-            asyncio.get_running_loop().call_later(AGAIN_SECONDS, self._tell_again, job)
+            self._unsent_jobs[job.id] = job
+            asyncio.get_running_loop().call_later(RESEND_SECONDS, self._resend_job, job)
 
-    def _tell_again(self, job: Job) -> None:
-        if self._untold.get(job.id) is job:  # no newer state has arrived
+    def _resend_job(self, job: Job) -> None:
+        if self._unsent_jobs.get(job.id) is job:  # no newer state has arrived
             self._events.put_nowait(job)
 
-    async def tell_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
+    async def send_job(self, job: Job, viewers: Iterable[Viewer]) -> None:
         """Queue a job's state for the viewers that may see it; a newer state replaces it."""
-        those = list(viewers)
-        if not those:
+        recipients = list(viewers)
+        if not recipients:
             return
-        seen = await self.read(lambda: [viewer for viewer in those if viewer.may_see(job)])
+        permitted = await self.read(
+            lambda: [viewer for viewer in recipients if viewer.may_see(job)]
+        )
         message = encode(
             messages.Job(
                 id=job.id,
@@ -297,7 +299,7 @@ class Hub:
                 owner=job.owner or "",
             )
         )
-        for viewer in seen:
+        for viewer in permitted:
             viewer.outbox.jobs[job.id] = message
             viewer.outbox.wake.set()
 
@@ -310,7 +312,7 @@ class Hub:
     async def _relay_presence(self) -> None:
         while True:
             await asyncio.sleep(self.presence.pause(len(self.viewers), PRESENCE_HZ))
-            for sequence, changed in self.presence.take().items():
+            for sequence, changed in self.presence.take_changes().items():
                 room = self.rooms.get(sequence)
                 for viewer in room.viewers if room else ():
                     others = {who: data for who, data in changed.items() if who != viewer.id}

@@ -153,6 +153,6 @@ class Outbox:
         self.boxes.clear()
         self.labels = self.all_cells = self.all_boxes = False
 
-    def everything(self) -> None:
+    def mark_all(self) -> None:
         """Note that palette, timeline and boxes must be sent whole."""
         self.labels = self.all_cells = self.all_boxes = True

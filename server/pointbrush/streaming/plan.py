@@ -290,7 +290,7 @@ class Plan:
     def _allowed(self, table: FrameTable, now: float) -> int:
         """Return the largest number of chunks that a frame may have now."""
         if self.clock is None:
-            return table.stops[table.level_within(UNLIMITED, self.page.asked)]
+            return table.stops[table.level_within(UNLIMITED, self.page.requested_points)]
         share = min(SHARE * self.link.rate * self.pace.ease, self.load.each)
         share /= max(self.clock.shown_per_second, 1.0)
         level = table.level_within(share, self.page.limit)

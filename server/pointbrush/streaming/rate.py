@@ -178,14 +178,14 @@ class PageBudget:
     """Number of points that the page can draw, from its own measured frame time."""
 
     points: int = UNLIMITED
-    asked: int = UNLIMITED
+    requested_points: int = UNLIMITED
     _changed: float = 0.0
 
     def report(
         self, frame_ms: float, target_ms: float, points: int | None, shown: int, now: float
     ) -> None:
         """Record the times of a credit; ``shown`` points were drawn in that time."""
-        self.asked = UNLIMITED if points is None else max(points, 1)
+        self.requested_points = UNLIMITED if points is None else max(points, 1)
         if not frame_ms or not target_ms or now - self._changed < PAGE_PERIOD:
             return
         if frame_ms > PAGE_SLOW * target_ms:
@@ -200,4 +200,4 @@ class PageBudget:
     @property
     def limit(self) -> int:
         """Return the largest number of points of a frame during playback."""
-        return min(self.points, self.asked)
+        return min(self.points, self.requested_points)

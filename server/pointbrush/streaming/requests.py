@@ -73,26 +73,26 @@ def _lattice(lattice: Lattice) -> messages.Lattice:
     )
 
 
-class Asker:
+class PreviewRequests:
     """Answers one viewer's newest ``ask`` message; older waiting ones are dropped."""
 
     def __init__(self, viewer: Viewer, hub: Hub) -> None:
         self._viewer, self._hub = viewer, hub
         self._newest: messages.Ask | None = None
-        self._asked = asyncio.Event()
+        self._question_waiting = asyncio.Event()
 
     def put(self, question: messages.Ask) -> None:
         """Replace the waiting question."""
         self._newest = question
-        self._asked.set()
+        self._question_waiting.set()
 
     async def run(self) -> None:
         """Answer until cancelled."""
         while True:
-            await self._asked.wait()
+            await self._question_waiting.wait()
             while self._waits_for_loops():
                 await asyncio.sleep(LOOK_SECONDS)
-            self._asked.clear()
+            self._question_waiting.clear()
             question, self._newest = self._newest, None
             if question is None:
                 continue

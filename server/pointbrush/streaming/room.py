@@ -41,16 +41,16 @@ class Listener(Protocol):
     def holds(self, frame: int) -> bool:
         """Return whether the viewer needs the changes of a frame."""
 
-    def stale(self, frames: Iterable[int]) -> None:
+    def mark_stale(self, frames: Iterable[int]) -> None:
         """Queue all values of these frames."""
 
-    def all_stale(self) -> None:
+    def mark_all_stale(self) -> None:
         """Queue all values of the frames that the viewer has."""
 
-    def cells_changed(self, cells: set[Place], *, everything: bool) -> None:
+    def mark_cells_changed(self, cells: set[Place], *, everything: bool) -> None:
         """Queue changes of palette, counts or timeline."""
 
-    def boxes_changed(self, boxes: Iterable[int] | None) -> None:
+    def mark_boxes_changed(self, boxes: Iterable[int] | None) -> None:
         """Queue the boxes of these ids, or all boxes: None."""
 
 
@@ -97,15 +97,15 @@ class Room:
 
     # ── events ───────────────────────────────────────────────────────────────────────────
 
-    async def committed(self, commit: Commit) -> None:
+    async def on_commit(self, commit: Commit) -> None:
         """Hand a commit to every viewer, in the order of revisions."""
         if commit.revision <= self.revision:
             return
         if commit.revision > self.revision + 1:
             # Commits were missed: send all values of the frames that viewers have.
             for viewer in self.viewers:
-                viewer.all_stale()
-                viewer.boxes_changed(None)
+                viewer.mark_all_stale()
+                viewer.mark_boxes_changed(None)
             self.values.missed(commit.revision - 1)
             self.board.all_changed()
         held = [f for f in commit.frames if any(viewer.holds(f) for viewer in self.viewers)]
@@ -124,26 +124,26 @@ class Room:
             for viewer in self.viewers:
                 if viewer.holds(delta.frame):
                     viewer.outbox.delta(delta)
-        changed = self.board.committed(commit)
+        changed = self.board.on_commit(commit)
         for viewer in self.viewers:
-            viewer.stale(whole)
-            viewer.cells_changed(changed, everything=commit.tracks_changed)
-            viewer.boxes_changed(commit.boxes)
-        self._gathered()
+            viewer.mark_stale(whole)
+            viewer.mark_cells_changed(changed, everything=commit.tracks_changed)
+            viewer.mark_boxes_changed(commit.boxes)
+        self._schedule_wake()
 
-    def retracted(self, frames: Iterable[int]) -> None:
+    def on_retracted(self, frames: Iterable[int]) -> None:
         """Send values of frames whole: a run's provisional findings are void."""
         for viewer in self.viewers:
-            viewer.stale(frames)
+            viewer.mark_stale(frames)
 
-    def classes_renamed(self) -> None:
+    def on_classes_renamed(self) -> None:
         """Send every viewer the palette again."""
-        self.board.classes_renamed()
+        self.board.on_classes_renamed()
         for viewer in self.viewers:
-            viewer.cells_changed(set(), everything=False)
-        self._gathered()
+            viewer.mark_cells_changed(set(), everything=False)
+        self._schedule_wake()
 
-    def _gathered(self) -> None:
+    def _schedule_wake(self) -> None:
         """Wake the viewers for waiting messages: at once after a pause, else with the tick.
 
         Waking each viewer for each edit of many viewers would take most of the loop's time.
@@ -189,7 +189,7 @@ class Room:
         for viewer in self.viewers:
             if viewer.holds(event.frame):
                 viewer.outbox.delta(QueuedDelta(event.frame, self.revision, data, provisional=True))
-        self._gathered()
+        self._schedule_wake()
 
     async def since(self, revision: int) -> list[QueuedDelta] | None:
         """Return the deltas of all commits after ``revision``, or None if that is too far back.

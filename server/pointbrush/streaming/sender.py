@@ -225,7 +225,7 @@ class Sender:
         plan = viewer.plan
         anew, held = not viewer.has(piece.frame), plan.held.get(piece.frame)
         # From here on the outbox takes deltas of this frame, so that none is missed.
-        self._hub.skipped(plan.sent(piece, viewer.now()))
+        self._hub.count_skipped_frames(plan.sent(piece, viewer.now()))
         try:
             ready = room.stock.ready(piece) or await room.stock.messages(piece)
         except PointbrushError:
@@ -249,4 +249,4 @@ class Sender:
         await viewer.send(head, data, before=values)
         plan.link.sent(nbytes, viewer.now(), idle=self._idle)
         self._idle = False
-        self._hub.sent(nbytes)
+        self._hub.count_sent_frame(nbytes)

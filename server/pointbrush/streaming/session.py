@@ -30,14 +30,14 @@ from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub, compiling
 from pointbrush.streaming.plan import Plan, PlayClock
-from pointbrush.streaming.requests import Asker, of_this_import, sequence_info
+from pointbrush.streaming.requests import PreviewRequests, of_this_import, sequence_info
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.sender import Sender
 from pointbrush.streaming.viewer import CREDITS, Send, SendEach, Viewer
 from pointbrush.work.annotate.overlays import require_overlaid
 
-HEARD_A_TURN = 8
+MESSAGES_PER_TURN = 8
 """Messages of one viewer that are handled in one iteration of the event loop."""
 SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in EDITS))
 """Types of messages that wait for files, the database, or each other."""
@@ -83,9 +83,9 @@ class ViewerSession(Viewer):
         """The viewer's token is no longer valid."""
         self.closing = asyncio.Event()
         self._editor = Editor(self, hub)
-        self._asker = Asker(self, hub)
-        self._deaf = False
-        self._hearing = False
+        self._previews = PreviewRequests(self, hub)
+        self._draining = False
+        self._handling = False
         """A slow message is being handled; later ones wait."""
         self._handlers: dict[type, Callable[[Any], None]] = {
             messages.Play: self._play,
@@ -95,7 +95,7 @@ class ViewerSession(Viewer):
             messages.Forget: self._forget,
             messages.Want: self._want,
             messages.ClientPresence: self._presence,
-            messages.Ask: self._asker.put,
+            messages.Ask: self._previews.put,
         }
 
     # ── life ─────────────────────────────────────────────────────────────────────────────
@@ -106,7 +106,7 @@ class ViewerSession(Viewer):
         tasks = [
             asyncio.create_task(self._listen(receive)),
             asyncio.create_task(self._editor.run()),
-            asyncio.create_task(self._asker.run()),
+            asyncio.create_task(self._previews.run()),
             asyncio.create_task(Sender(self, self.hub).run()),
             asyncio.create_task(self.closing.wait()),
         ]
@@ -123,7 +123,7 @@ class ViewerSession(Viewer):
 
     async def drain(self) -> None:
         """Read no more messages and answer the received ones, before the server stops."""
-        self._deaf = True
+        self._draining = True
         await self._editor.idle()
         while self.outbox.replies:
             await asyncio.sleep(0.005)
@@ -149,33 +149,33 @@ class ViewerSession(Viewer):
         self.closing.set()
 
     async def _listen(self, receive: Callable[[], Awaitable[bytes | None]]) -> None:
-        heard = 0
+        count = 0
         while (data := await receive()) is not None:
-            if self._deaf:
+            if self._draining:
                 continue  # not answered, so that the page sends it again to the next server
-            self._hearing = True
+            self._handling = True
             await self.receive(data)
-            self._hearing = False
-            heard += 1
-            if heard % HEARD_A_TURN == 0:
+            self._handling = False
+            count += 1
+            if count % MESSAGES_PER_TURN == 0:
                 # Thousands of small messages can arrive at once: let other viewers have a turn.
                 await asyncio.sleep(0)
             while self.outbox.crowded:
                 # Read no further messages until the viewer reads its answers.
                 await asyncio.sleep(0.05)
 
-    def hear(self, data: bytes) -> bool:
+    def on_message(self, data: bytes) -> bool:
         """Handle a message at once and return True, or leave it to ``run``'s ``receive``.
 
         Slow messages, and all messages after them, wait for their turn there.
         """
-        if self._deaf or self._hearing or self.outbox.crowded:
+        if self._draining or self._handling or self.outbox.crowded:
             return False
         try:
             content = unpack(data)
             if content.get("type") in SLOW:
                 return False
-            self._act(check(content))
+            self._handle(check(content))
         except PointbrushError as error:
             self.refuse(error)
         return True
@@ -196,11 +196,11 @@ class ViewerSession(Viewer):
                 require(self.role, MESSAGES[message.type])
                 await self._open(message)
             else:
-                self._act(message)
+                self._handle(message)
         except PointbrushError as error:
             self.refuse(error, about)
 
-    def _act(self, message: messages.ClientMessage) -> None:
+    def _handle(self, message: messages.ClientMessage) -> None:
         """Handle a message; a refusal contains the message's id, if it has one."""
         try:
             require(self.role, MESSAGES[message.type])
@@ -229,7 +229,7 @@ class ViewerSession(Viewer):
             return
         if room.recording.identity != old.recording.identity:
             self._begin(room, min(self.plan.focus, len(room.recording) - 1))
-            self.outbox.everything()
+            self.outbox.mark_all()
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
         self.outbox.wake.set()
 
@@ -280,23 +280,23 @@ class ViewerSession(Viewer):
             raise NotFoundError(f"sequence: expected a known id, got {message.sequence!r}")
         message = await of_this_import(self.hub, message)
         room = await self.hub.enter(self, message.sequence)
-        again = self.room is room and message.revision is not None
+        resuming = self.room is room and message.revision is not None
         self.room, self.role = room, role
         frames = len(room.recording)
         frame = min(message.frame, frames - 1)
-        if not again:
+        if not resuming:
             self._begin(room, frame)
             held = message.held or []
             self.plan.held = {frame: chunks for frame, chunks in held if frame < frames}
             self.resumed = message.revision is not None and message.held is None
         self.plan.focus, self.plan.wanted = frame, (frame, [])
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))
-        self.outbox.everything()
-        self.outbox.presence.update(self.hub.presence.everybody(room.id))
+        self.outbox.mark_all()
+        self.outbox.presence.update(self.hub.presence.messages_in(room.id))
         with contextlib.suppress(UnavailableError):  # then the next change of a job sends it
             for job in self.hub.workspace.jobs.all():
                 if job.state in ("queued", "running"):
-                    await self.hub.tell_job(job, [self])
+                    await self.hub.send_job(job, [self])
         if message.revision is not None:
             await self._catch_up(room, message.revision)
         self.outbox.wake.set()
@@ -313,7 +313,7 @@ class ViewerSession(Viewer):
         finally:
             self.catching_up = False
         if deltas is None:
-            self.all_stale()
+            self.mark_all_stale()
             return
         for delta in deltas:
             if self.has(delta.frame):
@@ -346,12 +346,12 @@ class ViewerSession(Viewer):
 
     def _credit(self, message: messages.Credit) -> None:
         now, link, page = self.now(), self.plan.link, self.plan.page
-        waited, asked = not link.has_room, page.asked
+        waited, requested = not link.has_room, page.requested_points
         link.credited(message.frames, now)
         page.report(
             message.frame_ms, message.target_ms, message.points, self.plan.shown_points, now
         )
-        if waited or page.asked != asked:
+        if waited or page.requested_points != requested:
             # Otherwise the sender sleeps for another reason, which still holds.
             self.outbox.wake.set()
 

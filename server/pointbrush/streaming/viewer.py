@@ -131,25 +131,25 @@ class Viewer(ABC):
         """Return whether the viewer may have points of a frame."""
         return self.resumed or frame in self.plan.held
 
-    def stale(self, frames: Iterable[int]) -> None:
+    def mark_stale(self, frames: Iterable[int]) -> None:
         """Queue all values of these frames."""
         owed = [frame for frame in frames if self.has(frame)]
         if owed:
             self.outbox.stale.update(dict.fromkeys(owed))
             self.outbox.wake.set()
 
-    def all_stale(self) -> None:
+    def mark_all_stale(self) -> None:
         """Queue all values of the frames that the viewer has."""
         self.outbox.clear_deltas()
-        self.stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
+        self.mark_stale(range(self.plan.frames) if self.resumed else list(self.plan.held))
 
-    def cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
+    def mark_cells_changed(self, cells: set[tuple[int, int]], *, everything: bool) -> None:
         """Queue changes of palette, counts or timeline until the room wakes the viewer."""
         self.outbox.labels = True
         self.outbox.cells |= cells
         self.outbox.all_cells |= everything
 
-    def boxes_changed(self, boxes: Iterable[int] | None) -> None:
+    def mark_boxes_changed(self, boxes: Iterable[int] | None) -> None:
         """Queue the boxes of these ids, or all boxes: None; they are sent with the palette."""
         self.outbox.boxes.update(boxes or ())
         self.outbox.all_boxes |= boxes is None

@@ -89,7 +89,7 @@ async def serve(socket: WebSocket, hub: Hub, principal: Principal) -> None:
             await socket.close(TEXT_REFUSED, "expected binary messages, got text")
         return data
 
-    link.hear = session.hear
+    link.on_message = session.on_message
     admissions: Admissions = socket.app.state.admissions
     try:
         with admissions.watching(socket, session):

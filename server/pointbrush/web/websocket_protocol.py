@@ -34,11 +34,11 @@ EXTENSION = "pointbrush.link"
 class WebSocketProtocol(WebSocketsSansIOProtocol):
     """Handles whole messages of bytes without uvicorn, in order; uvicorn handles the others."""
 
-    hear: Callable[[bytes], bool] | None = None
+    on_message: Callable[[bytes], bool] | None = None
     """Handles a message and returns True, or returns False to pass it to ASGI's ``receive``."""
     _tail = b""
     """The beginning of a frame with an incomplete head."""
-    _heard_at = float("-inf")
+    _received_at = float("-inf")
     """Time at which data was last received."""
     _owed = 0
     """Remaining bytes of a frame that the library reads."""
@@ -54,15 +54,15 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     def keepalive_timeout(self) -> None:
         """Close the connection without a pong unless data arrived lately or reading is paused."""
         patience = self.ping_timeout or 0.0
-        if self.read_paused or self.loop.time() - self._heard_at < patience:
+        if self.read_paused or self.loop.time() - self._received_at < patience:
             self.pong_timer = self.loop.call_later(patience, self.keepalive_timeout)
             return
         super().keepalive_timeout()
 
     def data_received(self, data: bytes) -> None:
         """Split received data into frames; handle short whole messages without the library."""
-        self._heard_at = self.loop.time()
-        if self.hear is None:
+        self._received_at = self.loop.time()
+        if self.on_message is None:
             super().data_received(data)
             return
         if self._tail:
@@ -76,7 +76,9 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
                     return
                 end = body + length
                 if end <= len(data) and self._simple(data, at, length):
-                    left -= self._heard(apply_mask(data[body:end], data[body - 4 : body]), left)
+                    left -= self._handle_or_queue(
+                        apply_mask(data[body:end], data[body - 4 : body]), left
+                    )
                     at = end
                     continue
                 self._owed = end - at
@@ -95,13 +97,18 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             and length <= self.config.ws_max_size
         )
 
-    def _heard(self, message: bytes, left: int) -> bool:
+    def _handle_or_queue(self, message: bytes, left: int) -> bool:
         """Handle a message now, or append it to uvicorn's queue; return whether it was handled."""
-        heard = self.hear is not None and left > 0 and self.queue.empty() and self.hear(message)
-        if not heard:
+        handled = (
+            self.on_message is not None
+            and left > 0
+            and self.queue.empty()
+            and self.on_message(message)
+        )
+        if not handled:
             self.curr_msg_data_type, self.frames = "bytes", [message]
             self.send_receive_event_to_app()
-        return heard
+        return handled
 
     # ── sent data ────────────────────────────────────────────────────────────────────────
 

@@ -74,7 +74,7 @@ class Board:
         self.revision = max(self.revision, revision)
         return self.revision
 
-    def committed(self, commit: Commit) -> set[Place]:
+    def on_commit(self, commit: Commit) -> set[Place]:
         """Apply a commit to the state; return the cells that it changed."""
         self.revision = commit.revision
         for cell in commit.cells:
@@ -96,7 +96,7 @@ class Board:
         self._all_edited = self.revision + 1
         self._palette_stale = self._tracks_stale = True
 
-    def classes_renamed(self) -> None:
+    def on_classes_renamed(self) -> None:
         """Read the palette again: its categories may have other names."""
         self._palette_stale = True
 

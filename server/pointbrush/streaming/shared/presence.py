@@ -27,16 +27,16 @@ class Presence:
         self._last[sequence, presence.viewer] = presence
         self._changed.setdefault(sequence, {})[presence.viewer] = encode(presence)
 
-    def take(self) -> dict[str, dict[str, bytes]]:
+    def take_changes(self) -> dict[str, dict[str, bytes]]:
         """Remove and return the changes since the last call."""
         changed, self._changed = self._changed, {}
         return changed
 
-    def everybody(self, sequence: str) -> dict[str, bytes]:
+    def messages_in(self, sequence: str) -> dict[str, bytes]:
         """Return the presence messages of all viewers of a sequence, for a new viewer."""
         return {who: encode(last) for (where, who), last in self._last.items() if where == sequence}
 
-    def gone(self, viewer: str, sequence: str) -> bytes | None:
+    def remove(self, viewer: str, sequence: str) -> bytes | None:
         """Remove a viewer; return the message for the others if they had its place."""
         last = self._last.pop((sequence, viewer), None)
         self._changed.get(sequence, {}).pop(viewer, None)
