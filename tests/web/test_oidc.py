@@ -164,7 +164,7 @@ def test_a_new_key_of_the_provider_counts(
     provider: Provider, browser: httpx.Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sign_in(browser)
-    monkeypatch.setattr(oidc, "AGAIN_SECONDS", 0.0)
+    monkeypatch.setattr(oidc, "RETRY_SECONDS", 0.0)
     old, provider.key = provider.key, rsa.generate_private_key(65537, 2048)
     provider.header = {"alg": "RS256", "kid": "two"}
     assert sign_in(browser).status_code == 303

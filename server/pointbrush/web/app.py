@@ -29,7 +29,7 @@ from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.security.admissions import Admissions
-from pointbrush.web.security.auth import SCHEMES, Gate, asks_who
+from pointbrush.web.security.auth import SCHEMES, Gate, requires_caller
 from pointbrush.web.security.roles import PREFIX
 from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
@@ -139,9 +139,9 @@ def describe(app: FastAPI) -> dict[str, Any]:
         for scheme in SCHEMES
     }
     for route in app.routes:
-        if isinstance(route, APIRoute) and route.include_in_schema and asks_who(route):
+        if isinstance(route, APIRoute) and route.include_in_schema and requires_caller(route):
             for method in route.methods or ():
-                said = schema["paths"][route.path_format][method.lower()]
-                said["security"] = [{scheme.scheme_name: []} for scheme in SCHEMES]
+                operation = schema["paths"][route.path_format][method.lower()]
+                operation["security"] = [{scheme.scheme_name: []} for scheme in SCHEMES]
     app.openapi_schema = schema
     return schema

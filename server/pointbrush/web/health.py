@@ -11,13 +11,13 @@ from pointbrush.settings import Settings
 SECONDS = 2.0
 
 
-def answers(settings: Settings) -> bool:
+def is_healthy(settings: Settings) -> bool:
     """Return whether ``/healthz`` answers on loopback."""
     # Both are tried: TLS may be set by a flag, which is not in the environment.
-    return any(_answers(scheme, settings.port) for scheme in ("http", "https"))
+    return any(_is_healthy(scheme, settings.port) for scheme in ("http", "https"))
 
 
-def _answers(scheme: str, port: int) -> bool:
+def _is_healthy(scheme: str, port: int) -> bool:
     # The certificate is for the server's public names; this call stays on the machine.
     context = ssl._create_unverified_context() if scheme == "https" else None  # noqa: S323
     try:
@@ -29,4 +29,4 @@ def _answers(scheme: str, port: int) -> bool:
 
 
 if __name__ == "__main__":
-    sys.exit(0 if answers(Settings.load()) else 1)
+    sys.exit(0 if is_healthy(Settings.load()) else 1)

@@ -91,13 +91,13 @@ class RequestLog:
         try:
             await self.app(scope, receive, with_id)
         finally:
-            said = {
+            fields = {
                 "method": scope.get("method", "WEBSOCKET")[:LONGEST_METHOD],
                 "path": scope["path"][:LONGEST_PATH],
                 "known": scope.get("state", {}).get("known", False),
                 "milliseconds": round(1000 * (time.monotonic() - begun), 1),
             }
-            log.info("answered", extra=said | ({"status": status} if status else {}))
+            log.info("answered", extra=fields | ({"status": status} if status else {}))
             request_id.reset(mark)
 
 
@@ -114,16 +114,16 @@ def log_events(workspace: Workspace) -> Callable[[], None]:
     """Log edits and new states of jobs from now on; return a function that ends it."""
     states: dict[str, str] = {}
 
-    def tell(event: Event) -> None:
+    def log_event(event: Event) -> None:
         if isinstance(event, Commit):
-            said = {"edit": event.edit, "revision": event.revision, "sequence": event.sequence}
-            log.info("edit %s", event.kind, extra=said)
+            fields = {"edit": event.edit, "revision": event.revision, "sequence": event.sequence}
+            log.info("edit %s", event.kind, extra=fields)
         elif isinstance(event, Job) and states.get(event.id) != event.state:
             states[event.id] = event.state
-            said = {"job": event.id, "state": event.state, "sequence": event.sequence}
-            made = {"edit": event.edit} if event.edit else {}
-            log.info("job %s", event.kind, extra=said | made)
+            fields = {"job": event.id, "state": event.state, "sequence": event.sequence}
+            edit_field = {"edit": event.edit} if event.edit else {}
+            log.info("job %s", event.kind, extra=fields | edit_field)
             if event.state in ("done", "failed", "cancelled"):
                 del states[event.id]
 
-    return workspace.subscribe(tell)
+    return workspace.subscribe(log_event)

@@ -124,10 +124,10 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
     headers = dict(error.headers or {})
     if error.status_code == 405:
         headers["Allow"] = ", ".join(methods_of(request.app, request.url.path)) or "GET"
-    return problem(error.status_code, _said(request, error, headers), headers=headers)
+    return problem(error.status_code, _error_sentence(request, error, headers), headers=headers)
 
 
-def _said(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
+def _error_sentence(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
     """Return a full sentence for errors that the router describes by a phrase."""
     path = _shown(request)
     if error.status_code == 405:

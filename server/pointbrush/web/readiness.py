@@ -27,16 +27,16 @@ class ReadyProbe:
         """The server takes no new work because it is about to end."""
         self._known: dict[str, str | None] = {}
         self._checked = float("-inf")
-        self._asking = asyncio.Lock()
+        self._check_lock = asyncio.Lock()
 
-    async def ask(self) -> dict[str, str | None]:
+    async def find_faults(self) -> dict[str, str | None]:
         """Check each part: its fault, or None."""
         if self.stopping:
             return {"server": "it is stopping"}
-        async with self._asking:
+        async with self._check_lock:
             if time.monotonic() - self._checked > FRESH_SECONDS:
-                answers = await asyncio.gather(*(part.ask() for part in self._parts.values()))
-                self._known = dict(zip(self._parts, answers, strict=True))
+                faults = await asyncio.gather(*(part.find_fault() for part in self._parts.values()))
+                self._known = dict(zip(self._parts, faults, strict=True))
                 self._checked = time.monotonic()
             return self._known
 
@@ -48,7 +48,7 @@ class _Part:
         self._check = check
         self._running: asyncio.Future[str | None] | None = None
 
-    async def ask(self) -> str | None:
+    async def find_fault(self) -> str | None:
         if self._running is None or self._running.done():
             loop = asyncio.get_running_loop()
             self._running = loop.create_future()

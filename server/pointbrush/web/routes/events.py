@@ -79,5 +79,5 @@ def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str |
 
 
 def _digest(jobs: Sequence[Job]) -> str:
-    told = [(job.id, job.state, job.progress, job.message) for job in jobs]
-    return hashlib.sha256(repr(told).encode()).hexdigest()[:16]
+    states = [(job.id, job.state, job.progress, job.message) for job in jobs]
+    return hashlib.sha256(repr(states).encode()).hexdigest()[:16]

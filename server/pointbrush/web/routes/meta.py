@@ -86,7 +86,7 @@ async def healthz() -> Health:
 async def readyz(request: Request, response: Response) -> Ready:
     """Tell whether work can be done, 200 or 503; needs no token, and names no secret or path."""
     probe: ReadyProbe = request.app.state.ready_probe
-    problems = await probe.ask()
+    problems = await probe.find_faults()
     parts = {name: problem or "ok" for name, problem in problems.items()}
     if any(problems.values()):
         response.status_code = 503

@@ -36,14 +36,14 @@ Word = Annotated[str | None, Query(min_length=1, max_length=256)]
 
 
 @dataclass(frozen=True)
-class Asked:
+class SearchQuery:
     """A search for recordings, and a part of their name or id."""
 
     search: Search
     text: str
 
 
-def asked(
+def search_query(
     project: Annotated[
         str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="id of its project")
     ] = None,
@@ -57,10 +57,10 @@ def asked(
     person: Annotated[
         Word, Query(description="account that has a task in it, or edited it")
     ] = None,
-) -> Asked | None:
+) -> SearchQuery | None:
     """Return the search that a call asks for, if any."""
     search = Search(project, category, label, state, person)
-    return Asked(search, q) if q or search != Search() else None
+    return SearchQuery(search, q) if q or search != Search() else None
 
 
 def _out(workspace: Workspace, sequence: str) -> Manifest:
@@ -73,7 +73,7 @@ def list_sequences(
     workspace: Ws,
     who: Caller,
     gate: TheGate,
-    wanted: Annotated[Asked | None, Depends(asked)],
+    wanted: Annotated[SearchQuery | None, Depends(search_query)],
     *,
     deleted: DeletedQuery = False,
     copies: CopiesQuery = False,

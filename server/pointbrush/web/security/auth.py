@@ -359,7 +359,7 @@ async def caller(request: Request) -> Principal:
 Caller = Annotated[Principal, Depends(caller)]
 
 
-def asks_who(route: APIRoute) -> bool:
+def requires_caller(route: APIRoute) -> bool:
     """Return whether a route needs an authenticated caller."""
     return any(part.call is caller for part in route.dependant.dependencies)
 

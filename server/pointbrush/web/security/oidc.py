@@ -54,7 +54,7 @@ LEEWAY_SECONDS = 60
 """Accepted error of the provider's clock."""
 KNOWN_SECONDS = 3600.0
 """Age from which the provider's description and keys are read again."""
-AGAIN_SECONDS = 30.0
+RETRY_SECONDS = 30.0
 """Shortest time between two tries to read them."""
 log = logging.getLogger(__name__)
 
@@ -96,7 +96,7 @@ class _Flow:
         message = f"{what} {self.kept}".encode("utf-8", "surrogateescape")
         return hmac.digest(self._key, message, "sha256").hex()
 
-    def answers(self, state: str) -> bool:
+    def accepts(self, state: str) -> bool:
         """Return whether an answer with ``state`` belongs to this sign-in and is in time."""
         right = hmac.compare_digest(state.encode("utf-8", "surrogateescape"), self.state.encode())
         return right and time.time() < float(self.kept.rpartition(".")[2])
@@ -123,7 +123,7 @@ class Provider:
         self._keys = keys
         self._known: _Known | None = None
         self._reading: Future[_Known] | None = None
-        self._tried = -AGAIN_SECONDS
+        self._tried = -RETRY_SECONDS
         self._lock = threading.Lock()
 
     def begin(self, redirect: str) -> tuple[str, str]:
@@ -154,7 +154,7 @@ class Provider:
         ForbiddenError for a person without a role, and UnavailableError.
         """
         flow = _Flow(self._keys.get(PURPOSE), kept)
-        if not flow.answers(answer.get("state", "")):
+        if not flow.accepts(answer.get("state", "")):
             raise UnauthorizedError(
                 "state: expected that of a sign-in which this browser began within "
                 f"{FLOW_SECONDS // 60} minutes, got another"
@@ -162,8 +162,8 @@ class Provider:
         if answer.get("iss", self._issuer) != self._issuer:
             raise UnauthorizedError("iss: expected the provider's issuer, got another")
         if "code" not in answer:
-            said = answer.get("error", "no code")[:60]
-            raise UnauthorizedError(f"sign-in: expected the provider's code, got {said!r}")
+            reason = answer.get("error", "no code")[:60]
+            raise UnauthorizedError(f"sign-in: expected the provider's code, got {reason!r}")
         given = self._exchange(answer["code"], flow.verifier, redirect)
         return self._person(self._claims(given, flow.nonce))
 
@@ -223,20 +223,20 @@ class Provider:
         try:
             return jwt.decode(token, self._look().keys, algorithms=ALGORITHMS)
         except InvalidKeyIdError:
-            return jwt.decode(token, self._look(AGAIN_SECONDS).keys, algorithms=ALGORITHMS)
+            return jwt.decode(token, self._look(RETRY_SECONDS).keys, algorithms=ALGORITHMS)
 
     def _person(self, claims: Mapping[str, Any]) -> Person:
         subject = hashlib.sha256(f"{self._issuer}\0{claims['sub']}".encode()).hexdigest()
-        sure = ("email",) if claims.get("email_verified") is True else ()
-        told = (claims.get(name) for name in (*sure, "preferred_username", "sub"))
-        names = tuple(name for name in told if isinstance(name, str) and name)
+        verified = ("email",) if claims.get("email_verified") is True else ()
+        candidates = (claims.get(name) for name in (*verified, "preferred_username", "sub"))
+        names = tuple(name for name in candidates if isinstance(name, str) and name)
         return Person(subject, names, self._role(claims) if self._claim else None)
 
     def _role(self, claims: Mapping[str, Any]) -> Role:
         """Return the highest role that the claim has."""
-        told = _within(claims, self._claim)
-        given = told if isinstance(told, list) else [told]
-        found = [role for role in ROLES if role in given]
+        claim = _within(claims, self._claim)
+        roles = claim if isinstance(claim, list) else [claim]
+        found = [role for role in ROLES if role in roles]
         if not found:
             raise ForbiddenError(
                 f"{self._claim}: expected one of the roles {', '.join(ROLES)} at the provider, "
@@ -255,7 +255,7 @@ class Provider:
             if known is not None and (now - known.read < oldest or reading is not None):
                 return known
             if reading is None:
-                if now - self._tried < AGAIN_SECONDS:
+                if now - self._tried < RETRY_SECONDS:
                     if known is None:
                         raise UnavailableError(
                             "sign-in: expected the provider to answer, it did not"
