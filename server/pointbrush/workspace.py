@@ -44,7 +44,7 @@ from pointbrush.work.events import ClassesRenamed, Event, Listeners, SequencesCh
 from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
 from pointbrush.work.imports.requests import IMPORT, LABELS, SAMPLE
 from pointbrush.work.imports.submitting import Imports
-from pointbrush.work.job_book import Begin, JobBook
+from pointbrush.work.job_registry import Begin, JobRegistry
 from pointbrush.work.job_service import JobContext
 from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing, Repaired
@@ -100,14 +100,14 @@ class Workspace:
         )
         self.imports: Imports
         begin: dict[str, Begin] = {
-            IMPORT: lambda job: self.imports.files.again(job),
-            SAMPLE: lambda job: self.imports.samples.again(job),
-            LABELS: lambda job: self.imports.labels.again(job),
-            TRACK: lambda job: self.tracking.again(job),
-            PREDICT: lambda job: self.predictions.again(job),
-            FIT: lambda job: self.fitting.again(job),
+            IMPORT: lambda job: self.imports.files.restart(job),
+            SAMPLE: lambda job: self.imports.samples.restart(job),
+            LABELS: lambda job: self.imports.labels.restart(job),
+            TRACK: lambda job: self.tracking.restart(job),
+            PREDICT: lambda job: self.predictions.restart(job),
+            FIT: lambda job: self.fitting.restart(job),
         }
-        self.jobs = JobBook(
+        self.jobs = JobRegistry(
             self.labels,
             self.runner,
             publish,

@@ -15,7 +15,7 @@ from pointbrush.jobs.job import Job
 from pointbrush.labels import Write
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.job_book import record_of
+from pointbrush.work.job_registry import record_of
 from tests.torture.proxy import SlowProxy
 
 COMMITTED = (b"INSERT 0 1\0", b"COMMIT\0")

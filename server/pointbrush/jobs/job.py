@@ -38,16 +38,16 @@ class Job(values.Job):
     """Request that restarts it after its server has ended, as JSON; None: not restartable."""
 
 
-class Book(Protocol):
+class JobStorage(Protocol):
     """Storage of jobs, which outlives this process."""
 
-    def begun(self, job: Job) -> None:
+    def add(self, job: Job) -> None:
         """Store a job before it is submitted; an error prevents the submission."""
 
-    def dropped(self, job: Job) -> None:
+    def discard(self, job: Job) -> None:
         """Remove a job that failed to start."""
 
-    def changed(self, job: Job) -> None:
+    def update(self, job: Job) -> None:
         """Store a change of a job."""
 
 
@@ -59,7 +59,7 @@ class KnownJobs:
         self._notify = notify
         self._lock = threading.Lock()
         self._jobs: dict[str, Job] = {}
-        self.book: Book | None = None
+        self.storage: JobStorage | None = None
 
     def all(self) -> list[Job]:
         """Return the jobs, newest first."""
@@ -95,6 +95,6 @@ class KnownJobs:
             self._jobs[job_id] = job
         if job == before:
             return
-        if self.book is not None:
-            self.book.changed(job)
+        if self.storage is not None:
+            self.storage.update(job)
         self._notify(job)

@@ -25,11 +25,11 @@ from pointbrush.jobs.worker import (
     DisconnectedError,
     Work,
     Workers,
-    cut_off,
-    died,
+    failure_message,
     run_work,
-    sentence,
-    tell,
+    send_command,
+    shut_down,
+    worker_lost,
 )
 from pointbrush.system.resources import shortage, shortages_in_words
 from pointbrush.values.jobs import JobState
@@ -139,8 +139,8 @@ class JobRunner:
 
     def _submit(self, job: Job, work: Work, receiver: Receiver) -> Job:
         self._require_open()
-        if (book := self.known.book) is not None:
-            book.begun(job)
+        if (storage := self.known.storage) is not None:
+            storage.add(job)
         running = _Running(work, None, receiver)
         supervisor = threading.Thread(target=self._supervise, args=(job.id, running), daemon=True)
         try:
@@ -148,13 +148,13 @@ class JobRunner:
                 self._require_open()
                 self._running[job.id] = running
                 self.known.add(job)
-                running.future = self._hand_out(job.id, running)
+                running.future = self._submit_work(job.id, running)
             with shortages_in_words():
                 supervisor.start()
         except BaseException:
             self._forget(job.id)
-            if book is not None:
-                book.dropped(job)
+            if storage is not None:
+                storage.discard(job)
             raise
         return job
 
@@ -164,7 +164,7 @@ class JobRunner:
         Jobs then need not wait for its imports.  Workers of a cluster are started independently.
         """
         with self._lock, suppress(UnavailableError), shortages_in_words():
-            if not self._workers.begun and not self._closed:
+            if not self._workers.has_started and not self._closed:
                 self._workers.submit(function)
 
     def require_scheduler(self) -> None:
@@ -182,7 +182,7 @@ class JobRunner:
             if running.future is not None:
                 running.future.cancel()
             if running.connection is not None:
-                tell(running.connection, "cancel")
+                send_command(running.connection, "cancel")
         return job
 
     def wait(self, job_id: str, timeout: float | None = None) -> Job:
@@ -206,7 +206,7 @@ class JobRunner:
     def close(self) -> None:
         """Stop all jobs and end the worker processes.
 
-        With a book, jobs are left to other servers, or fail if they cannot be restarted; without
+        With a storage, jobs are left to other servers, or fail if they cannot be restarted; without
         one they are cancelled.
         """
         with self._lock:
@@ -214,10 +214,10 @@ class JobRunner:
         for job in self.known.all():
             if job.state in ENDED:
                 continue
-            if self.known.book is not None and job.request is not None:
+            if self.known.storage is not None and job.request is not None:
                 self.leave(job.id)
                 continue
-            if self.known.book is not None:
+            if self.known.storage is not None:
                 self.known.change(
                     job.id, state="failed", error="the server was stopped; start the job again"
                 )
@@ -241,7 +241,7 @@ class JobRunner:
     def _accept(self) -> None:
         while not self._closed:
             try:
-                self._hear(self._listener.accept())
+                self._start_listening(self._listener.accept())
             except (EOFError, multiprocessing.AuthenticationError):
                 continue
             except Exception as error:
@@ -249,7 +249,7 @@ class JobRunner:
                 logger.warning("a worker cannot be heard now: %s", shortage(error) or error)
                 time.sleep(SHORTAGE_SECONDS)
 
-    def _hear(self, connection: Connection[Any, Any]) -> None:
+    def _start_listening(self, connection: Connection[Any, Any]) -> None:
         """Start a thread for a worker's connection; close it if the thread cannot start."""
         try:
             threading.Thread(target=self._listen, args=(connection,), daemon=True).start()
@@ -272,19 +272,21 @@ class JobRunner:
             running.tries += 1
             before, running.connection = running.connection, connection
         if before is not None:
-            cut_off(before)
+            shut_down(before)
             running.drained.wait(DRAIN_SECONDS)
             running.drained.clear()
             running.receiver.restart(self.known.get(job_id))
         with self._lock:
-            tell(connection, "start")
+            send_command(connection, "start")
             if running.cancelled:
-                tell(connection, "cancel")
+                send_command(connection, "cancel")
         self.known.change(job_id, state="running", progress=0.0, message="")
-        self._hear_out(connection, job_id, running)
+        self._receive_all(connection, job_id, running)
         running.drained.set()
 
-    def _hear_out(self, connection: Connection[Any, Any], job_id: str, running: _Running) -> None:
+    def _receive_all(
+        self, connection: Connection[Any, Any], job_id: str, running: _Running
+    ) -> None:
         """Receive all messages of a worker about a job until the connection closes."""
         try:
             while True:
@@ -297,14 +299,14 @@ class JobRunner:
             pass
         except Exception as error:  # such as no memory for an item
             running.fault = error
-            cut_off(connection)
+            shut_down(connection)
 
     def _supervise(self, job_id: str, running: _Running) -> None:
         job = self.known.get(job_id)
         try:
-            self._see_through(job_id, running)
+            self._run_to_end(job_id, running)
         except Exception as error:  # otherwise the job would never end
-            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(failure_message(error)))
         finally:
             with suppress(NotFoundError):  # another server continues it
                 job = self.known.get(job_id)
@@ -313,11 +315,11 @@ class JobRunner:
                 self._running.pop(job_id, None)
             running.ended.set()
 
-    def _see_through(self, job_id: str, running: _Running) -> None:
+    def _run_to_end(self, job_id: str, running: _Running) -> None:
         """Wait until the work has ended, restart it if necessary, and end the job."""
-        error = self._outcome(job_id, running)
-        while self._restarts(job_id, running, error):
-            error = self._outcome(job_id, running)
+        error = self._wait_for_work(job_id, running)
+        while self._resubmit_if_lost(job_id, running, error):
+            error = self._wait_for_work(job_id, running)
         # Wait for pending items; failed work may not have connected.
         connected = error is None or running.connection is not None
         running.drained.wait(DRAIN_SECONDS if connected else 0)
@@ -329,9 +331,9 @@ class JobRunner:
         elif running.cancelled or isinstance(error, CancelledError):
             self._end(job_id, running, cancelled=True)
         else:
-            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(failure_message(error)))
 
-    def _hand_out(self, job_id: str, running: _Running) -> Future[Any] | None:
+    def _submit_work(self, job_id: str, running: _Running) -> Future[Any] | None:
         """Submit work; return None if no worker can take it, or once the runner is closed.
 
         The reason is an unreachable scheduler, or a shortage of files or memory.  The lock must be
@@ -350,7 +352,7 @@ class JobRunner:
             running.turn += 1  # a pool may have kept the work and start it nevertheless
             return None
 
-    def _outcome(self, job_id: str, running: _Running) -> BaseException | None:
+    def _wait_for_work(self, job_id: str, running: _Running) -> BaseException | None:
         """Wait until the work has ended or left the queue; return its error, or None."""
         while True:
             if running.future is None:
@@ -362,7 +364,7 @@ class JobRunner:
                 time.sleep(LOOK_SECONDS)
                 self._workers.look_for_scheduler()
                 with self._lock:
-                    running.future = self._hand_out(job_id, running)
+                    running.future = self._submit_work(job_id, running)
                 continue
             try:
                 running.future.result(LOOK_SECONDS)
@@ -373,20 +375,22 @@ class JobRunner:
                 if self._workers.unreachable:
                     return DisconnectedError("the Dask scheduler restarted")
                 if running.connection is None:
-                    self.known.change(job_id, message=self._waits_for())
+                    self.known.change(job_id, message=self._waiting_message())
             except BaseException as error:
                 return error
 
-    def _waits_for(self) -> str:
+    def _waiting_message(self) -> str:
         try:
             self.require_scheduler()
         except UnavailableError as error:
             return f"waiting: {error}"
         return "waiting for a worker"
 
-    def _restarts(self, job_id: str, running: _Running, error: BaseException | None) -> bool:
+    def _resubmit_if_lost(
+        self, job_id: str, running: _Running, error: BaseException | None
+    ) -> bool:
         """Resubmit work if its worker or scheduler was lost; return whether it was resubmitted."""
-        if error is None or not died(error) or running.cancelled or self._closed:
+        if error is None or not worker_lost(error) or running.cancelled or self._closed:
             return False
         if running.tries >= TRIES or running.submissions >= SUBMISSIONS:
             return False
@@ -395,14 +399,14 @@ class JobRunner:
             job_id, state="queued", progress=0.0, message="the worker died; the job is tried again"
         )
         with self._lock:
-            running.future = self._hand_out(job_id, running)
+            running.future = self._submit_work(job_id, running)
         return True
 
     def _end(self, job_id: str, running: _Running, *, cancelled: bool) -> None:
         try:
             summary = running.receiver.finish(self.known.get(job_id), cancelled)
         except Exception as error:
-            self.known.change(job_id, state="failed", error=self._public(sentence(error)))
+            self.known.change(job_id, state="failed", error=self._public(failure_message(error)))
         else:
             state: JobState = "cancelled" if cancelled else "done"
             job = self.known.get(job_id)

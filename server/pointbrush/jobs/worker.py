@@ -280,7 +280,7 @@ class Workers:
                 return self._executor.submit(function, *args)
 
     @property
-    def begun(self) -> bool:
+    def has_started(self) -> bool:
         """Return whether workers were started."""
         return self._executor is not None
 
@@ -313,7 +313,7 @@ class Workers:
             self._executor.shutdown(wait=True, cancel_futures=True)
 
 
-def died(error: BaseException) -> bool:
+def worker_lost(error: BaseException) -> bool:
     """Return whether work ended because its process or its scheduler was lost."""
     if isinstance(error, PointbrushError):
         return False
@@ -325,27 +325,27 @@ def died(error: BaseException) -> bool:
     )
 
 
-def cut_off(connection: Connection[Any, Any]) -> None:
+def shut_down(connection: Connection[Any, Any]) -> None:
     """Shut down a connection, so that its reader gets EOFError."""
     with suppress(OSError), socket.socket(fileno=os.dup(connection.fileno())) as link:
         link.shutdown(socket.SHUT_RDWR)
 
 
-def tell(connection: Connection[Any, Any], word: str) -> None:
+def send_command(connection: Connection[Any, Any], command: str) -> None:
     """Send the work a message, if it is still connected."""
     try:
-        connection.send(word)
+        connection.send(command)
     except OSError:
         return  # the work has just ended
 
 
-def sentence(error: BaseException) -> str:
+def failure_message(error: BaseException) -> str:
     """Return the message of a failed job; unexpected errors are logged."""
     if isinstance(error, PointbrushError):
         return str(error)
     if (short := shortage(error)) is not None:
         return str(short)
-    if died(error):
+    if worker_lost(error):
         return "the worker process died, twice (out of memory, or a fault in a native decoder)"
     # An unexpected error: the log gets the traceback, the user a short message.
     logger.error("a job failed unexpectedly", exc_info=error)

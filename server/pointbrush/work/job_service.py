@@ -14,7 +14,7 @@ from pointbrush.labels import Commit
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.jobs import JobKind
 from pointbrush.work.events import Event
-from pointbrush.work.job_book import JobBook
+from pointbrush.work.job_registry import JobRegistry
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.library import Library
 
@@ -29,7 +29,7 @@ class JobContext:
     library: Library
     store: WorkspaceStore
     runner: JobRunner
-    jobs: JobBook
+    jobs: JobRegistry
     publish: Callable[[Event], None]
     database: str = field(repr=False)  # may hold a password
     max_points: int
@@ -69,7 +69,7 @@ class JobService(ABC, Generic[Request]):
 
         return self._context.jobs.begin_once(job_id, owner, start)
 
-    def again(self, job: Job) -> dict[str, Any] | None:
+    def restart(self, job: Job) -> dict[str, Any] | None:
         """Restart a job of an ended server; return its result if it was already done.
 
         Raises the errors of ``begin``.

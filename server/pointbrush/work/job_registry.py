@@ -26,8 +26,8 @@ BEAT_SECONDS = 5.0
 """Interval at which a server stores the progress of its jobs."""
 MOST_LOST = 3
 """Number of lost servers after which a job is not restarted, as it may have crashed them."""
-WAITS = "the server has ended; the job starts again"
-NOT_AGAIN = "the server ended before the job was done; start it again"
+RESTART_PENDING = "the server has ended; the job starts again"
+NOT_RESTARTABLE = "the server ended before the job was done; start it again"
 
 Begin = Callable[[Job], dict[str, Any] | None]
 """Submits another server's job to the runner, or returns its result if it was done.
@@ -36,7 +36,7 @@ Raises PointbrushError.
 """
 
 
-class JobBook:
+class JobRegistry:
     """The jobs of all servers of one database; the runner has the jobs of this server."""
 
     def __init__(
@@ -56,18 +56,20 @@ class JobBook:
         self._records, self._runner, self._notify = store.jobs, runner, notify
         self._begin, self._keep, self._public = begin, keep, public
         self._changed: dict[str, Job] = {}
-        self._dropped: set[str] = set()
+        self._discarded: set[str] = set()
         """Ids of jobs that failed to start; their records will be removed."""
         self._seen: dict[str, Job] = {}
         self._waiting: dict[str, JobRecord] = {}
         self._lock = threading.Lock()
         self._stop, self._wake = threading.Event(), threading.Event()
-        self._thread = threading.Thread(target=self._run, name="pointbrush-job-book", daemon=True)
+        self._thread = threading.Thread(
+            target=self._run, name="pointbrush-job-registry", daemon=True
+        )
         self._beat = self._silent_since = time.monotonic()
 
     def open(self) -> None:
         """Start to store this server's jobs, and to restart jobs without a server."""
-        self._runner.known.book = self
+        self._runner.known.storage = self
         self._thread.start()
 
     def close(self) -> None:
@@ -78,38 +80,38 @@ class JobBook:
             return
         self._thread.join()
         try:
-            self._drop()
+            self._remove_discarded()
             self._write()
             own = [r.id for r in self._records.under_way() if r.owner == self._records.owner]
-            self._records.release(own, WAITS)
+            self._records.release(own, RESTART_PENDING)
         except UnavailableError as error:
             log.warning("jobs are begun again %.0f s later: %s", STALE_SECONDS, error)
 
     # ── for the runner ───────────────────────────────────────────────────────────────────
 
-    def begun(self, job: Job) -> None:
+    def add(self, job: Job) -> None:
         """Store a job before it is submitted.
 
         Raises ConflictError if a job with its id exists, UnavailableError.
         """
-        if job.id in self._dropped:
-            self._drop()
+        if job.id in self._discarded:
+            self._remove_discarded()
         if job.id in self._waiting:
             return
         try:
             self._records.add(record_of(job))
         except UnavailableError:  # it may be stored: the answer to the commit may be lost
-            self.dropped(job)
+            self.discard(job)
             raise
 
-    def dropped(self, job: Job) -> None:
+    def discard(self, job: Job) -> None:
         """Remove a job that failed to start, except a job that will be restarted."""
         with self._lock:
             if job.id not in self._waiting:
-                self._dropped.add(job.id)
+                self._discarded.add(job.id)
         self._wake.set()
 
-    def changed(self, job: Job) -> None:
+    def update(self, job: Job) -> None:
         """Record a change of a job; its progress is stored with the next beat."""
         with self._lock:
             before = self._changed.get(job.id)
@@ -121,10 +123,10 @@ class JobBook:
 
     def all(self) -> list[Job]:
         """Return the jobs of all servers, newest first."""
-        here = {job.id: job for job in self._runner.known.all()}
-        records = (each for each in self._records.all() if each.id not in self._dropped)
-        kept = {record.id: job_of(record) for record in records}
-        return sorted((kept | here).values(), key=lambda job: job.created, reverse=True)
+        own = {job.id: job for job in self._runner.known.all()}
+        records = (each for each in self._records.all() if each.id not in self._discarded)
+        stored = {record.id: job_of(record) for record in records}
+        return sorted((stored | own).values(), key=lambda job: job.created, reverse=True)
 
     def get(self, job_id: str) -> Job:
         """Return a job of any server; raises NotFoundError."""
@@ -132,7 +134,7 @@ class JobBook:
             return self._runner.known.get(job_id)
         except NotFoundError:
             record = self._records.find(job_id)
-            if record is None or job_id in self._dropped:
+            if record is None or job_id in self._discarded:
                 raise
             return job_of(record)
 
@@ -176,12 +178,12 @@ class JobBook:
         try:
             self._runner.known.get(job_id)
         except NotFoundError:
-            return self._ask(job_id, keep=keep)
+            return self._request_cancellation(job_id, keep=keep)
         if keep:
             self._keep(job_id)
         return self._runner.cancel(job_id)
 
-    def _ask(self, job_id: str, *, keep: bool) -> Job:
+    def _request_cancellation(self, job_id: str, *, keep: bool) -> Job:
         job = self.get(job_id)
         if job.state in ENDED:
             raise ConflictError(f"job {job_id}: expected a running job, it is {job.state}")
@@ -193,7 +195,7 @@ class JobBook:
     def _run(self) -> None:
         while not self._stop.is_set():
             try:
-                self._look()
+                self._synchronize()
             except UnavailableError as error:
                 # Other servers of the database cannot store heartbeats either.
                 self._silent_since = time.monotonic()
@@ -203,29 +205,29 @@ class JobBook:
             self._wake.wait(LOOK_SECONDS)
             self._wake.clear()
 
-    def _look(self) -> None:
-        self._drop()
+    def _synchronize(self) -> None:
+        self._remove_discarded()
         self._write()
         silent = time.monotonic() - self._silent_since > STALE_SECONDS
         self._waiting |= {record.id: record for record in self._records.claim(silent=silent)}
         for record in list(self._waiting.values()):
-            self._begin_again(record)
+            self._restart(record)
         under_way = self._records.under_way()
         for record in under_way:
             if record.owner == self._records.owner and record.wish:
-                self._heed(record.id, record.wish)
-        self._tell([job_of(r) for r in under_way if r.owner != self._records.owner])
+                self._cancel_as_requested(record.id, record.wish)
+        self._notify_changes([job_of(r) for r in under_way if r.owner != self._records.owner])
 
-    def _drop(self) -> None:
+    def _remove_discarded(self) -> None:
         """Remove jobs that failed to start."""
         with self._lock:
-            dropped = set(self._dropped)
-        if not dropped:
+            discarded = set(self._discarded)
+        if not discarded:
             return
         # A concurrent repetition of the same call may have started the job.
-        self._records.remove(dropped - {job.id for job in self._runner.known.all()})
+        self._records.remove(discarded - {job.id for job in self._runner.known.all()})
         with self._lock:
-            self._dropped -= dropped
+            self._discarded -= discarded
 
     def _write(self) -> None:
         """Store changed jobs, and heartbeats of the others."""
@@ -250,7 +252,7 @@ class JobBook:
             log.warning("job %s was taken over by another server", job_id)
             self._runner.leave(job_id)
 
-    def _begin_again(self, record: JobRecord) -> None:
+    def _restart(self, record: JobRecord) -> None:
         job = job_of(record)
         try:
             if record.lost >= MOST_LOST:
@@ -258,23 +260,23 @@ class JobBook:
                     f"{record.lost} servers ended while the job ran; start it by hand"
                 )
             if record.request is None:
-                raise ConflictError(NOT_AGAIN)
+                raise ConflictError(NOT_RESTARTABLE)
             log.info("job %s begins again", record.id)
             result = self._begin[record.request["call"]](replace(job, state="queued", message=""))
         except UnavailableError:
             raise  # the database or the scheduler is unavailable: retry later
         except PointbrushError as error:
-            self._ended(replace(job, state="failed", error=self._public(str(error))))
+            self._store_end(replace(job, state="failed", error=self._public(str(error))))
         else:
             if result is not None:
-                self._ended(replace(job, state="done", progress=1.0, result=result))
+                self._store_end(replace(job, state="done", progress=1.0, result=result))
         self._waiting.pop(record.id, None)
 
-    def _ended(self, job: Job) -> None:
+    def _store_end(self, job: Job) -> None:
         self._records.update([record_of(job)])
         self._notify(job)
 
-    def _heed(self, job_id: str, wish: TaskPatch) -> None:
+    def _cancel_as_requested(self, job_id: str, wish: TaskPatch) -> None:
         if wish == "keep":
             self._keep(job_id)
         try:
@@ -282,7 +284,7 @@ class JobBook:
         except (ConflictError, NotFoundError):
             return  # it has ended
 
-    def _tell(self, elsewhere: list[Job]) -> None:
+    def _notify_changes(self, elsewhere: list[Job]) -> None:
         """Notify of changes of other servers' jobs."""
         now = {job.id: job for job in elsewhere}
         for job_id in self._seen.keys() - now.keys():

@@ -12,7 +12,7 @@ import pytest
 from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.job_book import JobBook, record_of
+from pointbrush.work.job_registry import JobRegistry, record_of
 from tests.test_jobs import Count
 from tests.waiting import PATIENCE
 
@@ -35,7 +35,7 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
         store.jobs.release([waiting.id], "")
         runner = JobRunner(told.append, workers=1)
         runner.make_ready(int)
-        book = JobBook(store, runner, told.append, {"again": begin}, keep=lambda _job: None)
+        book = JobRegistry(store, runner, told.append, {"again": begin}, keep=lambda _job: None)
         book.open()
         assert begins.wait(PATIENCE)
         runner.close()
