@@ -93,7 +93,7 @@ def test_findings_that_there_is_no_memory_for_fail_the_job(
     def full(*_: Any) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(seen, "item", full)
+    monkeypatch.setattr(seen, "receive", full)
     job = runner.wait(submit(runner, seen, Count(3)).id, PATIENCE)
     assert job.state == "failed"
     assert "too little memory" in str(job.error)
