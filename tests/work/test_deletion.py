@@ -219,7 +219,7 @@ def test_killed_at_any_step_of_deleting(settings: Settings) -> None:
     for place, deleted in (
         ("Recordings.delete.before", False),
         ("Recordings.delete.after", True),
-        ("Trash.put_away.after", True),
+        ("Trash.move_to_trash.after", True),
     ):
         kill_in(settings, "delete", place)
         with closing(Workspace(settings)) as workspace:
@@ -241,7 +241,7 @@ def test_killed_at_any_step_of_restoring(settings: Settings) -> None:
     for place, restored in (
         ("Recordings.restore.before", False),
         ("Recordings.restore.after", True),
-        ("Trash.bring_back.after", True),
+        ("Trash.move_back.after", True),
     ):
         with closing(Workspace(settings)) as workspace:
             if "ball" in ids(workspace):

@@ -89,9 +89,9 @@ class BucketStore:
         """See SequenceStore."""
         now = time.monotonic()
         with self._lock:
-            asked, known = self._versions.get(sequence, (float("-inf"), None))
+            checked_at, known = self._versions.get(sequence, (float("-inf"), None))
             if known is not None:
-                if now - asked < FRESH_SECONDS:
+                if now - checked_at < FRESH_SECONDS:
                     return known
                 self._versions[sequence] = now, known  # other threads do not wait for this answer
         try:
@@ -197,12 +197,12 @@ class _Deleted:
         """See DeletedPlace."""
         return not self._bucket.exists(DELETED)
 
-    def is_left(self, known: Known) -> bool:
+    def is_unmoved(self, known: Known) -> bool:
         """See DeletedPlace."""
         manifest = self._read(f"{known.id}/{FILE}", known.id)
         return manifest is not None and manifest.identity == known.identity
 
-    def is_away(self, known: Known) -> bool:
+    def is_in_trash(self, known: Known) -> bool:
         """See DeletedPlace."""
         return not self._store.has(known.id) and self._bucket.exists(self._place(known))
 
@@ -225,11 +225,11 @@ class _Deleted:
         """See DeletedPlace."""
         return sequence == known.id and self._bucket.version(f"{sequence}/{FILE}") is None
 
-    def put_away(self, known: Known) -> None:
+    def move_to_trash(self, known: Known) -> None:
         """See DeletedPlace."""
         self._move(f"{known.id}/{FILE}", self._place(known), known.id)
 
-    def bring_back(self, known: Known) -> None:
+    def move_back(self, known: Known) -> None:
         """See DeletedPlace."""
         self._move(self._place(known), f"{known.id}/{FILE}", known.id)
 

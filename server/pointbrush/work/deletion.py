@@ -134,26 +134,32 @@ class Deletion:
                 self._move_all()
         except (OSError, ReadOnlyError) as error:
             log.warning("folders of deleted recordings cannot be moved now: %s", error)
-            self._library.hidden = frozenset(known.id for known in self._left())
+            self._library.hidden = frozenset(known.id for known in self._unmoved())
 
     def _move_all(self) -> None:
         recordings = self._store.recordings
-        stuck = [known for known in self._left() if not self._moved(known, self._trash.put_away)]
+        stuck = [
+            known
+            for known in self._unmoved()
+            if not self._try_move(known, self._trash.move_to_trash)
+        ]
         self._library.hidden = frozenset(known.id for known in stuck)
         if not self._trash.is_empty():
-            for known in filter(self._trash.is_away, recordings.live()):
-                self._moved(known, self._trash.bring_back)
+            for known in filter(self._trash.is_in_trash, recordings.live()):
+                self._try_move(known, self._trash.move_back)
         for known in recordings.expired():
             self._trash.purge(known)
             recordings.purge(known.number)
 
-    def _left(self) -> list[Known]:
+    def _unmoved(self) -> list[Known]:
         """Return deleted recordings with folders in their original place."""
         live = {known.id for known in self._store.recordings.live()}
         deleted = self._store.recordings.deleted()
-        return [known for known in deleted if known.id not in live and self._trash.is_left(known)]
+        return [
+            known for known in deleted if known.id not in live and self._trash.is_unmoved(known)
+        ]
 
-    def _moved(self, known: Known, move: Callable[[Known], None]) -> bool:
+    def _try_move(self, known: Known, move: Callable[[Known], None]) -> bool:
         try:
             move(known)
         except (OSError, PointbrushError) as error:

@@ -47,11 +47,11 @@ class DeletedPlace(Protocol):
         """Return whether it has no recordings."""
         raise NotImplementedError
 
-    def is_left(self, known: Known) -> bool:
+    def is_unmoved(self, known: Known) -> bool:
         """Return whether a deleted recording is still among the others."""
         raise NotImplementedError
 
-    def is_away(self, known: Known) -> bool:
+    def is_in_trash(self, known: Known) -> bool:
         """Return whether a restored recording is still here and can be moved back."""
         raise NotImplementedError
 
@@ -67,11 +67,11 @@ class DeletedPlace(Protocol):
         """Return whether no files prevent its restoration under the id ``sequence``."""
         raise NotImplementedError
 
-    def put_away(self, known: Known) -> None:
+    def move_to_trash(self, known: Known) -> None:
         """Move a recording away from the others."""
         raise NotImplementedError
 
-    def bring_back(self, known: Known) -> None:
+    def move_back(self, known: Known) -> None:
         """Move a recording back to the others, under its current id."""
         raise NotImplementedError
 

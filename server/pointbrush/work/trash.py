@@ -51,7 +51,7 @@ class Trash:
     def _has(self, known: Known) -> bool:
         return self.place(known).is_dir()
 
-    def is_left(self, known: Known) -> bool:
+    def is_unmoved(self, known: Known) -> bool:
         """See DeletedPlace."""
         folder = self._library / known.id
         if not is_plain(known.id) or not folder.is_dir() or self._has(known):
@@ -59,7 +59,7 @@ class Trash:
         manifest = _manifest_or_none(folder)
         return manifest is None or manifest.identity == known.identity
 
-    def is_away(self, known: Known) -> bool:
+    def is_in_trash(self, known: Known) -> bool:
         """See DeletedPlace."""
         return self._has(known) and self.has_room(known, known.id)
 
@@ -75,11 +75,11 @@ class Trash:
         """Return the manifest of a deleted recording, or None if it cannot be read."""
         return _manifest_or_none(self.place(known))
 
-    def put_away(self, known: Known) -> None:
+    def move_to_trash(self, known: Known) -> None:
         """Move a recording's folder here atomically."""
         self._move(self._library / known.id, self.place(known))
 
-    def bring_back(self, known: Known) -> None:
+    def move_back(self, known: Known) -> None:
         """Move a recording's folder back; its manifest gets the current id."""
         manifest = self.manifest(known)
         if manifest is not None and manifest.id != known.id:
