@@ -32,8 +32,8 @@ from pointbrush.work.backups.backup import (
     CLASSIFIERS,
     make_backup,
     note_made,
-    require_here,
     require_labels,
+    require_noted_database,
     restore_one,
 )
 from pointbrush.work.boxes import FIT
@@ -81,7 +81,7 @@ class Workspace:
         """
         self.settings = settings
         self.paths = ServerPaths(settings.workspace, *settings.roots)
-        require_here(settings.workspace, settings.database_url)
+        require_noted_database(settings.workspace, settings.database_url)
         self.library = Library(_store_of(settings))
         self.library.clean()
         make_private(settings.workspace)

@@ -195,32 +195,32 @@ def parse_frames(text: str | None, count: int) -> range:
 
 
 def choose_split(
-    format: str, asked: str | None, recording: Sequence, known: Callable[[], Collection[str]]
+    format: str, validation: str | None, recording: Sequence, known: Callable[[], Collection[str]]
 ) -> formats.Split:
-    """Return the frames for validation, as ``asked`` or by default.
+    """Return the frames for validation, given by ``validation`` or by default.
 
-    ``asked`` is a range of frames ``I:J``, comma-separated ids of recordings (all frames), or
+    ``validation`` is a range of frames ``I:J``, comma-separated ids of recordings (all frames), or
     ``none``.  By default, all frames of about one in five of the ``known`` recordings.  Raises
     BadInputError for a format without splits, a range outside the recording, or an unknown id.
     """
     name, count = recording.manifest.id, len(recording)
     if not formats.EXPORTS[format].splits:
-        if asked is not None:
+        if validation is not None:
             able = ", ".join(entry.name for entry in formats.EXPORTS.values() if entry.splits)
             raise BadInputError(f"val: expected one of the formats {able} with it, got {format}")
         return formats.Split()
-    if asked is None:
+    if validation is None:
         val = name in _validation(known())
         return formats.Split(range(count if val else 0), BY_DEFAULT)
-    if ":" in asked:
-        return formats.Split(parse_frames(asked, count), f"frames {asked}")
-    wanted = set() if asked == NO_VALIDATION else set(asked.split(","))
+    if ":" in validation:
+        return formats.Split(parse_frames(validation, count), f"frames {validation}")
+    wanted = set() if validation == NO_VALIDATION else set(validation.split(","))
     if unknown := wanted - set(known()):
         raise BadInputError(
             f"val: expected frames I:J, ids of recordings, or {NO_VALIDATION}, got "
             f"{', '.join(sorted(unknown))[:80]!r}"
         )
-    return formats.Split(range(count if name in wanted else 0), f"recordings {asked}")
+    return formats.Split(range(count if name in wanted else 0), f"recordings {validation}")
 
 
 def _validation(known: Collection[str]) -> set[str]:

@@ -103,14 +103,14 @@ class _Tracks:
 
     def between(self, shown: int, frame: int) -> dict[int, Matrix]:
         """Return ``T_shown_frame`` by label, for labels with poses of one run in both frames."""
-        here, there = self._rows.get(shown, {}), self._rows.get(frame, {})
+        shown_rows, frame_rows = self._rows.get(shown, {}), self._rows.get(frame, {})
         found = {}
-        for label in here.keys() | there.keys():
-            start = (here.get(label) or there[label]).get("start")
-            to_here = _pose(here.get(label), shown, start)
-            to_there = _pose(there.get(label), frame, start)
-            if to_here is not None and to_there is not None:
-                found[label] = to_here @ inverse(to_there)
+        for label in shown_rows.keys() | frame_rows.keys():
+            start = (shown_rows.get(label) or frame_rows[label]).get("start")
+            T_shown_start = _pose(shown_rows.get(label), shown, start)
+            T_frame_start = _pose(frame_rows.get(label), frame, start)
+            if T_shown_start is not None and T_frame_start is not None:
+                found[label] = T_shown_start @ inverse(T_frame_start)
         return found
 
 

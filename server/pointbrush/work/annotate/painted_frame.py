@@ -107,7 +107,7 @@ class Changing:
                 self._count += int(np.count_nonzero(self._block(first)[numbers[mine] - first]))
         return self._count
 
-    def those(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    def changing_among(self, numbers: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the sorted stored numbers of (n,) that will change."""
         changes = [
             numbers[mine][self._block(first)[numbers[mine] - first]]
@@ -237,7 +237,7 @@ class PaintedFrame:
         """Return the number of selected points that the stroke will change."""
         return self._changing.count()
 
-    def those_changing(self) -> NDArray[np.int64]:
+    def changing_numbers(self) -> NDArray[np.int64]:
         """Return ascending stored numbers of the selected points that the stroke would change."""
-        parts = [self._changing.those(numbers) for numbers in self.taken.parts()]
+        parts = [self._changing.changing_among(numbers) for numbers in self.taken.parts()]
         return np.concatenate([np.empty(0, np.int64), *parts])

@@ -120,7 +120,7 @@ class LiveStroke:
 
     def previewed(self) -> NDArray[np.int64]:
         """Return ascending numbers of points in its own frame that the stroke would change."""
-        own = [one.those_changing() for one in self._painted if one.frame == self.frame]
+        own = [one.changing_numbers() for one in self._painted if one.frame == self.frame]
         return np.concatenate([np.empty(0, np.int64), *own])
 
     def commit(self, author: str) -> Commit:

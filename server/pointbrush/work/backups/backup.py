@@ -50,7 +50,7 @@ def note_database(workspace: Path, url: str) -> None:
     partial.replace(workspace / NOTE)
 
 
-def require_here(workspace: Path, url: str) -> None:
+def require_noted_database(workspace: Path, url: str) -> None:
     """Raise BadInputError if the labels were moved to another database than ``url``."""
     try:
         noted = json.loads((workspace / NOTE).read_text(encoding="utf-8"))["database"]

@@ -127,7 +127,7 @@ class BackupSchedule:
     """Delay of the first check after the start, during which clients load the first pages."""
     look_seconds = 60.0
     """Longest interval between checks, as another server may make a backup."""
-    again_seconds = 600.0
+    retry_seconds = 600.0
     """Interval after a failure."""
 
     def __init__(self, series: BackupSeries, every: str, environment: Mapping[str, str]) -> None:
@@ -159,7 +159,7 @@ class BackupSchedule:
                     self._make()
             except (OSError, UnavailableError) as error:
                 self._failed(str(error))
-                wait = self.again_seconds
+                wait = self.retry_seconds
 
     def _due_in(self) -> float:
         """Return the seconds until the next check; 0 or less: a backup is due."""
@@ -178,17 +178,17 @@ class BackupSchedule:
             stderr=subprocess.PIPE,
             text=True,
         )
-        said = None
-        while said is None:
+        errors = None
+        while errors is None:
             try:
-                _, said = process.communicate(timeout=0.5)
+                _, errors = process.communicate(timeout=0.5)
             except subprocess.TimeoutExpired:
                 if self._ended.is_set():
                     process.kill()
         if self._ended.is_set() and process.returncode:
             return
         if process.returncode:
-            reason = said.strip().removeprefix("pointbrush: ")
+            reason = errors.strip().removeprefix("pointbrush: ")
             raise UnavailableError(reason or f"backup: ended with {process.returncode}")
         log.info("backup made in %.1f s", time.monotonic() - begun)
 

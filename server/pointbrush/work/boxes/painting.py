@@ -49,7 +49,7 @@ class BoxPainting(Part):
         name = self._store.label(sequence, drawn.label).name
         only: Only = "unlabeled" if only_unlabeled else "any"
 
-        def told(points: int, frames: int) -> str:
+        def summary(points: int, frames: int) -> str:
             where = f" in {frames} frames" if frames > 1 else ""
             return f"paint {points:,} points of a box as '{name}'{where}"
 
@@ -59,7 +59,7 @@ class BoxPainting(Part):
             author=author,
             kind="paint",
             writes=_writes(recording, drawn, chosen, only),
-            summary=told,
+            summary=summary,
             identity=recording.identity,
         )
 

@@ -14,7 +14,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.frames import level_rotation
 
 Floats = NDArray[np.float64]
-Say = Callable[[int], tuple[Described, Chances]]
+PredictFrame = Callable[[int], tuple[Described, Chances]]
 """Returns the features of a frame and the class probabilities of its cells."""
 REACH = 4.0
 """Distance, in cells, within which places of two frames are the same."""
@@ -40,20 +40,27 @@ def voter_of(
 
 
 def agreed(
-    recording: Recording, frame: int, place: Described, chance: Chances, voter: int, say: Say
+    recording: Recording,
+    frame: int,
+    place: Described,
+    chance: Chances,
+    voter: int,
+    predict: PredictFrame,
 ) -> Chances:
     """Average the chances (C, K) of cells with the same places in frame ``voter``; vote again."""
     from scipy.spatial import cKDTree  # slow to import, needed only here
 
-    there, said = say(voter)
-    if not (len(there.center) and len(place.center)):
+    other_place, other_chances = predict(voter)
+    if not (len(other_place.center) and len(place.center)):
         return chance
     T = np.linalg.inv(_world_of(recording, voter)) @ _world_of(recording, frame)
     seen = place.center.astype(np.float64) @ T[:3, :3].T + T[:3, 3]
-    away, near = cKDTree(there.center).query(seen, distance_upper_bound=REACH * place.size)
-    same = np.flatnonzero(np.isfinite(away))
+    distances, near = cKDTree(other_place.center).query(
+        seen, distance_upper_bound=REACH * place.size
+    )
+    same = np.flatnonzero(np.isfinite(distances))
     out = chance.copy()
-    out[same] = (out[same] + said[np.asarray(near)[same]]) / 2
+    out[same] = (out[same] + other_chances[np.asarray(near)[same]]) / 2
     return average_over_pieces(out, place.piece)
 
 

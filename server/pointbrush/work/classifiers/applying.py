@@ -83,30 +83,30 @@ def predicted(
     """
     kept = {} if kept is None else kept
 
-    def asked(made: ExampleFrame) -> tuple[Described, Chances]:
+    def classify(made: ExampleFrame) -> tuple[Described, Chances]:
         place = describe(made, model.size, options.features)
         return place, model.chances(place, lambda: made, own)
 
-    def say(voter: int) -> tuple[Described, Chances]:
+    def predict_other(voter: int) -> tuple[Described, Chances]:
         if voter not in kept:
             kept.clear()
-            kept[voter] = asked(example_frame(recording, voter))
+            kept[voter] = classify(example_frame(recording, voter))
         return kept[voter]
 
     count = recording[frame].count
     if count == 0:
         return
     if count <= options.whole_points:
-        place, chance = asked(example_frame(recording, frame))
+        place, chance = classify(example_frame(recording, frame))
         voter = voter_of(model, recording, frame, options.whole_points)
         if voter is not None:
-            chance = agreed(recording, frame, place, chance, voter, say)
+            chance = agreed(recording, frame, place, chance, voter, predict_other)
         kind, sure = point_classes(chance, place.of_point)
         kind[ignored_cells(model, recording, frame, place, None)[place.of_point]] = 0
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count
         return
     for piece in pieces(recording, frame, options.piece_points, options.margin * model.size):
-        place, chance = asked(example_frame(recording, frame, piece.members))
+        place, chance = classify(example_frame(recording, frame, piece.members))
         kind, sure = point_classes(chance, place.of_point)
         kind[ignored_cells(model, recording, frame, place, piece.members)[place.of_point]] = 0
         inside = piece.inside

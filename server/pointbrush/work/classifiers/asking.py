@@ -124,12 +124,13 @@ class Questions:
         cell = view.place.center[doubt.cell].astype(np.float64) @ level_rotation(manifest)
         points = recording[view.frame].coordinates[piece].astype(np.float64)
         middle = points[np.linalg.norm(points - cell, axis=1).argmin()]
-        away = np.linalg.norm(points - middle, axis=1)
+        distances = np.linalg.norm(points - middle, axis=1)
         x, y, z = (middle + np.asarray(manifest.shift)).tolist()
         self._offered.put((recording.identity, view.frame, x, y, z), piece)
         first, second = (classifier.classes[each] for each in doubt.classes)
         return Place(
-            manifest.id, view.frame, (x, y, z), max(float(np.median(away)), view.place.size / 2),
+            manifest.id, view.frame, (x, y, z),
+            max(float(np.median(distances)), view.place.size / 2),
             len(piece), tuple(map(tuple, runs_of(piece).tolist())), (first, second), doubt.doubt,
         )  # fmt: skip
 
@@ -142,5 +143,5 @@ class Questions:
             return known
         view = self._view(classifier, recording, frame, centre)
         level, shift = level_rotation(recording.manifest), np.asarray(recording.manifest.shift)
-        away = view.place.center - level @ (np.asarray(centre) - shift)
-        return self._piece(view, int(np.linalg.norm(away, axis=1).argmin()))
+        offsets = view.place.center - level @ (np.asarray(centre) - shift)
+        return self._piece(view, int(np.linalg.norm(offsets, axis=1).argmin()))

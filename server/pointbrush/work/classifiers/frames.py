@@ -98,15 +98,15 @@ def _boxes(
 ) -> Iterator[tuple[Floats, Floats]]:
     """Bisect the plane until each part has at most ``most`` points, by the centres of blocks."""
     inside = ((middle >= low) & (middle < high)).all(axis=1)
-    here, counts = middle[inside], held[inside]
-    if counts.sum() <= most or len(here) < 2:
+    centers, counts = middle[inside], held[inside]
+    if counts.sum() <= most or len(centers) < 2:
         yield low, high
         return
-    axis = int(np.ptp(here, axis=0).argmax())
-    order = np.argsort(here[:, axis])
+    axis = int(np.ptp(centers, axis=0).argmax())
+    order = np.argsort(centers[:, axis])
     half = int(np.searchsorted(np.cumsum(counts[order]), counts.sum() / 2))
-    cut = float(here[order[min(half, len(order) - 1)], axis])
-    if not here[:, axis].min() < cut:
+    cut = float(centers[order[min(half, len(order) - 1)], axis])
+    if not centers[:, axis].min() < cut:
         yield low, high
         return
     below, above = high.copy(), low.copy()

@@ -24,15 +24,15 @@ def ignored_cells(
     """
     found = np.zeros(len(place.center), bool)
     level = level_rotation(recording.manifest)
-    here = recording.identity, frame
-    places = [each for each in classifier.ignored if (each.identity, each.frame) == here]
+    key = recording.identity, frame
+    places = [each for each in classifier.ignored if (each.identity, each.frame) == key]
     for each in places if skipped else [each for each in places if not each.skipped]:
         if each.runs:
             points = _points_of(each, recording[frame].count)
             found[place.of_point[points if members is None else points[members]]] = True
         else:
-            away = place.center - level @ np.asarray(each.centre)
-            found |= np.linalg.norm(away, axis=1) <= each.radius
+            offsets = place.center - level @ np.asarray(each.centre)
+            found |= np.linalg.norm(offsets, axis=1) <= each.radius
     return found
 
 

@@ -96,19 +96,19 @@ class Predictor:
         voter = voter_of(classifier, recording, frame, self._options.whole_points)
         if voter is None:
             return chance
-        say = partial(self._compared, classifier, recording)
-        return agreed(recording, frame, place, chance, voter, say)
+        predict = partial(self._compared, classifier, recording)
+        return agreed(recording, frame, place, chance, voter, predict)
 
     def _compared(
         self, classifier: Classifier, recording: Recording, frame: int
     ) -> tuple[Described, Chances]:
         """Return the prediction for a frame that others are compared with; cached."""
-        asked = (classifier, recording.identity, frame)
+        key = (classifier, recording.identity, frame)
         known = self._voting
-        if known is None or known[0] != asked:
+        if known is None or known[0] != key:
             place = self._frames.whole(recording, frame, classifier.size)
             chance = classifier.chances(place, partial(example_frame, recording, frame))
-            known = self._voting = asked, place, chance
+            known = self._voting = key, place, chance
         return known[1], known[2]
 
     def model(self, classifier: Classifier) -> Model | None:

@@ -318,14 +318,14 @@ class Classifiers:
         recording = self._recording(sequence)
         at = None if centre is None else _local(recording, centre)
 
-        def shorter(known: tuple[Ignored, ...]) -> tuple[Ignored, ...]:
+        def without_last(known: tuple[Ignored, ...]) -> tuple[Ignored, ...]:
             mine = (each for each in known if each.identity == recording.identity)
-            here = [each for each in mine if at in (None, each.centre)]
-            if not here:
+            candidates = [each for each in mine if at in (None, each.centre)]
+            if not candidates:
                 raise NotFoundError("answer: expected an ignored place in this recording, got none")
-            return tuple(each for each in known if each is not here[-1])
+            return tuple(each for each in known if each is not candidates[-1])
 
-        self._set_ignored(identifier, shorter)
+        self._set_ignored(identifier, without_last)
 
     def _set_ignored(
         self, identifier: str, change: Callable[[tuple[Ignored, ...]], tuple[Ignored, ...]]

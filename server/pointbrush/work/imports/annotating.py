@@ -32,7 +32,7 @@ from pointbrush.work.job_service import EditService, Submission
 
 Item = TypeVar("Item")
 
-TOLD = 100
+MOST_LISTED = 100
 """Limit of entries in a report's lists."""
 
 
@@ -183,15 +183,15 @@ def _report(
         "labelled": sum(len(frame.rows) for frame in found),
         "frames": [
             {"frame": frame.frame, "file": frame.file, "points": len(frame.rows)}
-            for frame in found[:TOLD]
+            for frame in found[:MOST_LISTED]
         ],
         "files": [{"file": frame.file, "frame": frame.frame} for frame in found],
         "matched": len(found),
         "unknown": len(chosen.unnamed),
-        "unknown_classes": chosen.unnamed[:TOLD],
+        "unknown_classes": chosen.unnamed[:MOST_LISTED],
         "unmatched": len(without) + len(unmatched),
-        "unmatched_frames": without[:TOLD],
-        "unmatched_files": unmatched[:TOLD],
+        "unmatched_frames": without[:MOST_LISTED],
+        "unmatched_files": unmatched[:MOST_LISTED],
         "labels": {str(label): points for label, points in sorted(counts.items()) if label},
-        "new_labels": [label.name for label in chosen.fresh[:TOLD]],
+        "new_labels": [label.name for label in chosen.fresh[:MOST_LISTED]],
     }

@@ -17,7 +17,7 @@ from pointbrush.labels import Label
 from pointbrush.labels.classes.palette import HIGHEST, Called, Palette, default_color
 from pointbrush.work.imports.naming import Key, Naming
 
-TOLD = 20
+MOST_NAMED = 20
 """Limit of categories named in a warning."""
 
 
@@ -87,7 +87,7 @@ class Chosen:
         """Return a sentence about the excluded categories, if any."""
         if not self.left_out:
             return []
-        named = ", ".join(self.left_out[:TOLD])
+        named = ", ".join(self.left_out[:MOST_NAMED])
         return [f"labels of categories that the project has not selected are left out: {named}"]
 
 

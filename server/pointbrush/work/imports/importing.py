@@ -87,7 +87,7 @@ class ImportWork:
             self._note(folder, "")
             return []
         with formats.open_source(request.paths, limits=limits, chosen=request.chosen) as source:
-            fps, said = source.rate(request.fps)
+            fps, rate_source = source.rate(request.fps)
             manifest = import_frames(
                 _limited(source.frames, self.max_points, source.origins),
                 folder,
@@ -97,7 +97,7 @@ class ImportWork:
                 pictures=source.pictures,
             )
             self._note(folder, source.listings[0].dataset)
-        if said != ASSUMED:
+        if rate_source != ASSUMED:
             return []
         if manifest.frames == 1:
             update_manifest(folder, fps=SINGLE_FPS)

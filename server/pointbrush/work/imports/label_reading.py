@@ -201,9 +201,9 @@ class ReadLabelsWork:
             timed = {}
         moments = [FrameName("", time) for time in timed.values()]
         frames |= zip(timed, matched(moments, known), strict=True)
-        silent = {part: path for path, part in parts if part not in frames}
-        asked = replace(files, paths=tuple(silent.values()))
-        return frames | dict(zip(silent, self._frames(asked, recording), strict=True))
+        unmatched_paths = {part: path for path, part in parts if part not in frames}
+        unmatched = replace(files, paths=tuple(unmatched_paths.values()))
+        return frames | dict(zip(unmatched_paths, self._frames(unmatched, recording), strict=True))
 
     def _boxes(self, channel: Channel, files: LabelFiles, recording: Recording) -> None:
         """Send the points inside boxes as items; classes are numbered in the order of names."""
@@ -281,7 +281,7 @@ def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], K
 def frame_names(manifest: Manifest) -> list[FrameName]:
     """Return the files and times that identify a recording's frames."""
     files = manifest.files or [""] * manifest.frames
-    return [FrameName(*told) for told in zip(files, manifest.timestamps, strict=True)]
+    return [FrameName(*pair) for pair in zip(files, manifest.timestamps, strict=True)]
 
 
 def _ours(own: Mapping[int, SourceLabel], box: FrameBox) -> FrameBox:

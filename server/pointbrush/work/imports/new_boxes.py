@@ -16,7 +16,7 @@ from pointbrush.labels.boxes.maps import box_of, fields_of
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.label_reading import FoundBoxes
 
-TOLD = 100
+MOST_LISTED = 100
 """Limit of names in a report's list."""
 
 
@@ -60,6 +60,6 @@ def box_report(found: FoundBoxes, made: Sequence[OrientedBox], chosen: Chosen) -
         "boxes": len(made),
         "box_poses": sum(len(box.poses) for box in made),
         "box_poses_known": poses - sum(len(box.poses) for box in made),
-        "boxes_resized": resized[:TOLD],
+        "boxes_resized": resized[:MOST_LISTED],
         "boxes_empty": found.empty,
     }

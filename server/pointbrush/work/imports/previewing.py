@@ -37,7 +37,7 @@ from pointbrush.work.imports.importing import (
 )
 from pointbrush.work.imports.requests import ImportRequest
 
-TOLD = 100
+MOST_LISTED = 100
 """Limit of listed files."""
 FRAMES = 3
 """Number of frames to read."""
@@ -125,11 +125,11 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
 
 
 def _files(source: Source) -> list[dict[str, Any]]:
-    """Return the file of each frame, as far as known without reading all; at most TOLD."""
+    """Return the file of each frame, as far as known without reading all; at most MOST_LISTED."""
     names = [file.name for listing in source.listings for file in listing.frames]
     if source.count != len(names):
         names = [origin.file for origin in source.origins]
-    return [{"file": name, "frame": frame} for frame, name in enumerate(names[:TOLD])]
+    return [{"file": name, "frame": frame} for frame, name in enumerate(names[:MOST_LISTED])]
 
 
 def _first_frames(

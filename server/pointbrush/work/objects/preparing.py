@@ -84,8 +84,8 @@ class StateFiles:
         found = []
         for path in self.folder.glob("*/*/*.npz"):
             with contextlib.suppress(OSError):
-                told = path.stat()
-                found.append((told.st_mtime, told.st_size, path))
+                status = path.stat()
+                found.append((status.st_mtime, status.st_size, path))
         total = sum(size for _, size, _ in found)
         for _, size, path in sorted(found):
             if total <= self._most:

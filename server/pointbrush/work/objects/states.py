@@ -194,9 +194,9 @@ class States:
         self, recording: Recording, frame: int, points: Points, positives: Floats
     ) -> _Near:
         middle = positives.mean(axis=0)
-        here = (recording.identity, frame)
+        frame_key = (recording.identity, frame)
         for key in self._near.held():
-            known = self._near.known(key) if key[:2] == here else None
+            known = self._near.known(key) if key[:2] == frame_key else None
             if known and np.abs(positives - known.middle).max() < 0.5 * known.reach:
                 return known
         members = near(points, middle, self._options.near_reach, self._options.near_points)
@@ -204,5 +204,5 @@ class States:
         reach = float(np.abs(points.xyz[members] - middle).max(initial=0.0))
         selector = self._selectors.of(recording.manifest.id).selector
         made = _Near(selector.prepare(wanted), members, middle, reach)
-        self._near.put((*here, middle.tobytes()), made)
+        self._near.put((*frame_key, middle.tobytes()), made)
         return made

@@ -103,8 +103,8 @@ class Agreeing:
         copies = [*named.values()] if take == MAJORITY else [named[take]]
         if take == MAJORITY and len(copies) < FEWEST:
             raise BadInputError(f"take: expected {FEWEST} people or more, there are {len(copies)}")
-        asked = [*copies, *(named[name] for name in region.labels)]
-        frames = sorted(set.intersection(*map(_handed_in, asked)))
+        involved = [*copies, *(named[name] for name in region.labels)]
+        frames = sorted(set.intersection(*map(_handed_in, involved)))
         if region.frame is not None:
             frames = [frame for frame in frames if frame == region.frame]
         if not frames:
@@ -145,8 +145,8 @@ class Agreeing:
         """Return an index of the points of a region."""
         if not region.labels:
             return slice(None)
-        asked = [np.isin(self._labels(name, frame), each) for name, each in region.labels.items()]
-        found: NDArray[np.bool_] = np.logical_or.reduce(asked)
+        masks = [np.isin(self._labels(name, frame), each) for name, each in region.labels.items()]
+        found: NDArray[np.bool_] = np.logical_or.reduce(masks)
         return found
 
     def _chosen(

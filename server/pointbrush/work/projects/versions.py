@@ -115,7 +115,7 @@ def _looks(label: Label) -> tuple[str, str, str]:
 def _frame(
     sequence: str, frame: int, first: PastLabels, second: PastLabels
 ) -> FrameDifference | None:
-    came = went = changed = 0
+    added = removed = changed = 0
     objects: tuple[set[int], set[int]] = set(), set()
     for before, after in zip(
         _seen(first, sequence, frame), _seen(second, sequence, frame), strict=True
@@ -125,13 +125,15 @@ def _frame(
             objects[1].add(theirs)
             if mine == theirs:
                 continue
-            came += points if not mine else 0
-            went += points if not theirs else 0
+            added += points if not mine else 0
+            removed += points if not theirs else 0
             changed += points if mine and theirs else 0
-    if not came + went + changed:
+    if not added + removed + changed:
         return None
     gone, fresh = objects[0] - objects[1] - {0}, objects[1] - objects[0] - {0}
-    return FrameDifference(frame, came, went, changed, tuple(sorted(fresh)), tuple(sorted(gone)))
+    return FrameDifference(
+        frame, added, removed, changed, tuple(sorted(fresh)), tuple(sorted(gone))
+    )
 
 
 def _seen(past: PastLabels, sequence: str, frame: int) -> Iterator[NDArray[np.uint16]]:

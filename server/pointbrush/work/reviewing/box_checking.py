@@ -59,15 +59,15 @@ class BoxChecker:
         changes = self._store.frame_changes(recording.manifest.id)
         found: dict[int, BoxSketch] = {}
         for frame in frames:
-            here = [box for box in boxes if frame in box.poses]
-            if not here:
+            visible = [box for box in boxes if frame in box.poses]
+            if not visible:
                 continue
-            key = (changes.get(frame, 0), *(_key(box, frame) for box in here))
+            key = (changes.get(frame, 0), *(_key(box, frame) for box in visible))
             place = (recording.identity, frame)
             known = self._known.known(place)
             if known is None or known[0] != key:
                 try:
-                    known = key, self._sketch(recording, frame, here)
+                    known = key, self._sketch(recording, frame, visible)
                 except DamagedError as error:
                     if str(error) not in unchecked:
                         unchecked.append(str(error))
@@ -76,11 +76,11 @@ class BoxChecker:
             found[frame] = known[1]
         return found
 
-    def _sketch(self, recording: Recording, frame: int, here: list[OrientedBox]) -> BoxSketch:
+    def _sketch(self, recording: Recording, frame: int, visible: list[OrientedBox]) -> BoxSketch:
         values, stored = self._store.values(recording.manifest.id, frame), recording[frame]
         label = np.where(values.deleted, np.uint16(0), values.label)
         xyz = stored.xyz.astype(np.float64) + np.array(recording.manifest.shift)
-        return sketch_boxes(xyz, label, here, frame, self._options)
+        return sketch_boxes(xyz, label, visible, frame, self._options)
 
 
 def _key(box: OrientedBox, frame: int) -> Hashable:

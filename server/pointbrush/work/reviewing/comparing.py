@@ -92,7 +92,7 @@ def agreement(
     """Return the agreement for each frame's pairs of label ids, compared by name."""
     alone: tuple[Counter[str], Counter[str]] = (Counter(), Counter())
     both: Counter[str] = Counter()
-    told = []
+    by_frame = []
     for frame, counts in sorted(frames.items()):
         labelled = differ = 0
         for (mine, theirs), points in counts.items():
@@ -104,10 +104,10 @@ def agreement(
                 both[a] += points
             else:
                 differ += points
-        told.append(FrameAgreement(frame, labelled, differ))
+        by_frame.append(FrameAgreement(frame, labelled, differ))
     names = sorted((alone[0].keys() | alone[1].keys()) - {""}, key=str.lower)
     labels = [LabelAgreement(n, alone[0][n], alone[1][n], both[n]) for n in names]
-    return Agreement(labels, told)
+    return Agreement(labels, by_frame)
 
 
 class Difference(IntEnum):

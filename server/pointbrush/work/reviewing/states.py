@@ -153,7 +153,7 @@ def _standing(
 ) -> Standing:
     at = {name: int(marks[name][first]) for name in _FIELDS}
     note = log[at["note"]] if at["note"] >= 0 else None
-    said = max(at["state"], at["note"])
+    newest = max(at["state"], at["note"])
     return Standing(
         first=None if last is None else first,
         last=last,
@@ -162,8 +162,8 @@ def _standing(
         note=(note.note or "") if note else "",
         place=note.place if note and note.note else None,
         assignee=(log[at["assignee"]].assignee or "") if at["assignee"] >= 0 else "",
-        by=log[said].author if said >= 0 else "",
-        at=log[said].time if said >= 0 else None,
+        by=log[newest].author if newest >= 0 else "",
+        at=log[newest].time if newest >= 0 else None,
         changed=changed,
     )
 

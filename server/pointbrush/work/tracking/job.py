@@ -138,11 +138,11 @@ def lead(
     step = -1 if order[-1] > order[0] else 1
     found: list[int] = []
     for number in range(order[0] + step, order[0] + step * (LEAD + 1), step):
-        here = [counts.get((number, label), (0, 0)) for label in labels]
-        if not 0 <= number < frames or max(here)[0] < FEWEST:
+        point_counts = [counts.get((number, label), (0, 0)) for label in labels]
+        if not 0 <= number < frames or max(point_counts)[0] < FEWEST:
             break
         found.append(number)
-        if min(painted for _, painted in here) >= FEWEST:
+        if min(painted for _, painted in point_counts) >= FEWEST:
             break
     return tuple(reversed(found))
 

@@ -157,12 +157,12 @@ def _report(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> d
     left_out: Mapping[int, str] = result["left_out"]
     if not left_out:
         return result | {"left_out": [], MESSAGE: outcome}
-    said = [f"'{names.get(number, number)}' was {why}" for number, why in left_out.items()]
+    reasons = [f"'{names.get(number, number)}' was {why}" for number, why in left_out.items()]
     found = [
         {"label": number, "name": names.get(number, ""), "why": why}
         for number, why in left_out.items()
     ]
-    message = f"left out, changed during tracking: {', '.join(said)}"
+    message = f"left out, changed during tracking: {', '.join(reasons)}"
     return result | {"left_out": found, MESSAGE: message}
 
 
@@ -180,14 +180,14 @@ def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]
         for label, track in result.tracks.items():
             found[label] = found.get(label, 0) + (track.points > 0)
             doubts[label] = doubts.get(label, 0) + doubtful(track)
-    said = [_one(names.get(label, str(label)), found[label], doubts[label]) for label in found]
-    if len(said) > MOST_NAMED:
+    summaries = [_one(names.get(label, str(label)), found[label], doubts[label]) for label in found]
+    if len(summaries) > MOST_NAMED:
         rest = list(found)[MOST_NAMED:]
         more = f"{len(rest)} more labels, {sum(doubts[label] for label in rest)} frames doubtful"
-        said[MOST_NAMED:] = [more]
-    return "; ".join(said)
+        summaries[MOST_NAMED:] = [more]
+    return "; ".join(summaries)
 
 
 def _one(name: str, frames: int, doubtful_frames: int) -> str:
-    told = f"{name}: {frames} {'frame' if frames == 1 else 'frames'}"
-    return f"{told}, {doubtful_frames} doubtful" if doubtful_frames else told
+    summary = f"{name}: {frames} {'frame' if frames == 1 else 'frames'}"
+    return f"{summary}, {doubtful_frames} doubtful" if doubtful_frames else summary

@@ -124,13 +124,13 @@ def jumps(
             usual = usual_step(steps, frame, options.window)
             cosine = float(Ts[frame][:3, 0] @ Ts[frame - 1][:3, 0])
             turned = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-            told = ""
+            change = ""
             if step > max(options.jump, options.jump_factor * usual):
-                told = f"jumps {step:.1f} m"
+                change = f"jumps {step:.1f} m"
             elif turned > options.box_turn:
-                told = f"turns by {turned:.0f}°"
-            if told:
-                text = f"the box of “{names[box.label]}” {told} from the previous frame"
+                change = f"turns by {turned:.0f}°"
+            if change:
+                text = f"the box of “{names[box.label]}” {change} from the previous frame"
                 yield _finding("box_jump", text, box, frame)
 
 
@@ -161,10 +161,10 @@ def overlaps(
 ) -> Iterator[Finding]:
     """Yield boxes that share much of their volume with another box in a frame."""
     for frame in frames:
-        here = [box for box in boxes if frame in box.poses]
-        Ts = {box.id: box.poses[frame].transform for box in here}
-        for at, one in enumerate(here):
-            for two in here[at + 1 :]:
+        present = [box for box in boxes if frame in box.poses]
+        Ts = {box.id: box.poses[frame].transform for box in present}
+        for at, one in enumerate(present):
+            for two in present[at + 1 :]:
                 if _apart(one.size, Ts[one.id], two.size, Ts[two.id]):
                     continue
                 smaller = min(float(np.prod(one.size)), float(np.prod(two.size)))

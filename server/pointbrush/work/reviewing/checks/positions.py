@@ -43,10 +43,10 @@ def find_stray(xyz: F64, options: CheckOptions) -> Stray | None:
     main = xyz[piece == sizes.argmax()]
     far = max(options.stray, options.stray_extent * float(np.linalg.norm(np.ptp(main, axis=0))))
     others = piece != sizes.argmax()
-    away = cKDTree(main).query(xyz[others])[0]
+    distances = cKDTree(main).query(xyz[others])[0]
     # The distance of a piece is that of its nearest point.
     near = np.full(len(sizes), np.inf)
-    np.minimum.at(near, piece[others], away)
+    np.minimum.at(near, piece[others], distances)
     near[sizes.argmax()] = 0.0
     found = np.flatnonzero(near > far)
     if not len(found):

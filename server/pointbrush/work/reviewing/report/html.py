@@ -127,8 +127,8 @@ def _labels(report: Report) -> str:
     rows = []
     for label in report.palette:
         mine = report.by_label[label.id]
-        told = f"{int(mine.sum()):,} in {int((mine > 0).sum()):,} frames"
-        rows.append((label.name, label.color, float(mine.sum()), told))
+        counts = f"{int(mine.sum()):,} in {int((mine > 0).sum()):,} frames"
+        rows.append((label.name, label.color, float(mine.sum()), counts))
     rows.sort(key=lambda row: -row[2])
     empty = "<p class='soft'>There are no labels yet.</p>"
     return "<h2>Points per label</h2>" + (plots.named_bars(rows) if rows else empty)

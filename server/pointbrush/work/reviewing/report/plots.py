@@ -87,13 +87,13 @@ def named_bars(rows: Sequence[tuple[str, str, float, str]]) -> str:
     """Return a bar for each (name, colour, value, text), scaled to the longest."""
     most = max([value for _, _, value, _ in rows] or [0.0]) or 1.0
     parts = ""
-    for n, (name, color, value, told) in enumerate(rows):
+    for n, (name, color, value, text) in enumerate(rows):
         y, wide = n * ROW, (WIDTH - NAMED - 150) * value / most
         parts += (
             f'<text x="{NAMED - 10}" y="{y + 17}" text-anchor="end">{escape(_short(name))}</text>'
             f'<rect x="{NAMED}" y="{y + 5}" width="{max(wide, 1):.1f}" height="16" rx="3" '
             f'fill="{color}"/>'
-            f'<text x="{NAMED + wide + 8:.1f}" y="{y + 17}" class="soft">{escape(told)}</text>'
+            f'<text x="{NAMED + wide + 8:.1f}" y="{y + 17}" class="soft">{escape(text)}</text>'
         )
     return _svg(max(ROW, ROW * len(rows)), parts)
 
