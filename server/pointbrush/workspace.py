@@ -87,7 +87,7 @@ class Workspace:
         make_private(settings.workspace)
         self._require_labels()
         self._listeners = Listeners()
-        publish, self.recording = self._listeners.tell, self.library.recording
+        publish, self.recording = self._listeners.notify, self.library.recording
         limits = Limits(settings.statement_seconds, settings.keepalive_seconds)
         self.labels = WorkspaceStore(settings.database_url, limits=limits)
         note_made(settings.workspace, settings.database_url)
@@ -219,7 +219,7 @@ class Workspace:
         """Return the service for projects."""
         from pointbrush.work.projects.service import Projects
 
-        return Projects(self.labels, self._listeners.tell)
+        return Projects(self.labels, self._listeners.notify)
 
     @once
     def versions(self) -> Versions:
@@ -272,7 +272,7 @@ class Workspace:
         """Update after another process has added, deleted or restored a recording."""
         self.library.store.forget(sequence)
         self.deletion.tidy()
-        self._listeners.tell(SequencesChanged(sequence))
+        self._listeners.notify(SequencesChanged(sequence))
 
     def thumbnail(self, sequence: str, frame: int) -> bytes:
         """Return a small picture of a frame, JPEG; raises NotFoundError, DamagedError."""
@@ -282,7 +282,7 @@ class Workspace:
     def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
         """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
         manifest = self.library.update(sequence, **fields)
-        self._listeners.tell(SequencesChanged(sequence))
+        self._listeners.notify(SequencesChanged(sequence))
         return manifest
 
     def stand_on_floor(
@@ -370,7 +370,7 @@ class Workspace:
     def restore_from_backup(self, source: Path, sequence: str) -> str:
         """Restore one recording of a backup, even while in use; return its id here."""
         restored = restore_one(self.labels, self.library, source, sequence)
-        self._listeners.tell(SequencesChanged(restored))
+        self._listeners.notify(SequencesChanged(restored))
         return restored
 
 

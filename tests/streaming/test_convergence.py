@@ -299,7 +299,7 @@ def test_a_job_is_told_once_the_database_says_whom_it_is_for(workspace: Workspac
             await person.connect()
             await comes_true(lambda: person.revision is not None)
             job = Job(kind="tracking", sequence="wall", state="done")
-            workspace._listeners.tell(job)
+            workspace._listeners.notify(job)
             await comes_true(lambda: job.id in person.jobs)
             await person.leave()
 

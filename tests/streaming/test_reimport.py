@@ -106,7 +106,7 @@ def test_who_has_it_open_is_told_and_sent_everything_anew(served: Served) -> Non
             shutil.rmtree(served.workspace.library.folder / "wall")
             served.workspace.labels.recordings.forget("wall")
             put_in_place(served, 200)
-            served.workspace._listeners.tell(SequencesChanged("wall"))
+            served.workspace._listeners.notify(SequencesChanged("wall"))
             new = await client.until("sequence")
             assert new["identity"] != old["identity"]
             client.frames.clear()

@@ -162,7 +162,7 @@ def heard_jobs(served: Served, secret: str, *jobs: Job) -> list[str | None]:
         async with viewer(served.url, secret) as client:
             await client.open("day")
             for job in jobs:
-                served.workspace._listeners.tell(job)
+                served.workspace._listeners.notify(job)
             await client.until("job", id=jobs[-1].id)
             return [each["sequence"] for each in client.log if each["type"] == "job"]
 

@@ -23,8 +23,8 @@ from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import RecordingInfo, import_frames
-from pointbrush.work.classifiers.agreeing import agreed, voter_of
-from pointbrush.work.classifiers.applying import predicted
+from pointbrush.work.classifiers.agreeing import average_chances, voter_of
+from pointbrush.work.classifiers.applying import predict_frame
 from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.workspace import Workspace
@@ -211,7 +211,7 @@ def test_a_classifier_goes_and_comes_as_a_file(workspace: Workspace) -> None:
     assert not workspace.classifiers.listing()
     with pytest.raises(NotFoundError, match="classifier"):
         workspace.classifiers.predict(made.id, "room", 0)
-    brought = workspace.classifiers.bring(data, "again")
+    brought = workspace.classifiers.import_file(data, "again")
     found = workspace.classifiers.predict(brought.id, "room", 0).label
     assert set(found.tolist()) == {FLOOR, WALL}
 
@@ -263,12 +263,12 @@ def test_a_model_of_ones_own_answers_in_place_of_trees(
     found = workspace.classifiers.predict(made.id, "room", 1)
     right = (workspace.recording("room")[1].to_source(found.label) == WALL) == IS_WALL
     assert right.mean() > 0.95
-    again = workspace.classifiers.bring(workspace.classifiers.file(made.id))
+    again = workspace.classifiers.import_file(workspace.classifiers.file(made.id))
     assert again.model == "floors"
     assert workspace.classifiers.doubt(made.id, "room")
     recording, known = workspace.recording("room"), workspace.classifiers.current(made.id)
     own = workspace.classifiers.models.make("floors")
-    applied, _ = next(predicted(recording, 1, known, workspace.classifiers.options, own))
+    applied, _ = next(predict_frame(recording, 1, known, workspace.classifiers.options, own))
     assert np.array_equal(applied.kind.values(), found.kind)
 
 
@@ -298,10 +298,10 @@ def test_what_stands_still_agrees_with_the_taught_frame(workspace: Workspace) ->
     half = np.full((3, 2), 0.5, np.float32)
     taught = Described(0.1, none, centre + np.float32([0.5, 0, 0]), near, features, none)
     said = np.array([[0.9, 0.1], [0.1, 0.9], [0.9, 0.1]], np.float32)
-    out = agreed(seen, 1, place, half, 0, lambda _: (taught, said))  # type: ignore[arg-type]
+    out = average_chances(seen, 1, place, half, 0, lambda _: (taught, said))  # type: ignore[arg-type]
     assert np.allclose(out[:, 0], [0.7, 0.3, 0.7])
     far = Described(0.1, none, centre + np.float32([1.0, 0, 0]), near, features, none)
-    out = agreed(seen, 1, place, half, 0, lambda _: (far, said))  # type: ignore[arg-type]
+    out = average_chances(seen, 1, place, half, 0, lambda _: (far, said))  # type: ignore[arg-type]
     assert np.allclose(out[[0, 2]], half[[0, 2]])
     taught_by = {("room", 0): None, ("room", 1): None}
     known = Classifier("a", ("a",), examples=taught_by)  # type: ignore[arg-type]
@@ -323,7 +323,7 @@ def test_large_frames_are_taught_and_asked_in_parts(workspace: Workspace, tmp_pa
     assert near.numbers is None or (np.diff(near.numbers) > 0).all()
     assert known.doubt(made.id, "room", frame=1, near=[1.5, 1.5, 0.5])
     recording, label = workspace.recording("room"), np.zeros(every, np.uint8)
-    for found, _ in predicted(recording, 1, known.current(made.id), few):
+    for found, _ in predict_frame(recording, 1, known.current(made.id), few):
         assert found.numbers is not None
         label[found.numbers] = found.kind.values()
     assert ((recording[1].to_source(label) == WALL) == IS_WALL).mean() > 0.95
@@ -343,7 +343,7 @@ def test_classes_of_a_classifier_are_renamed_and_merged_with_the_workspaces(
     elsewhere = workspace.classifiers.file(made.id)
     store.taxonomy.put([Category(numbers["house"], "building")])
     store.taxonomy.merge(numbers["house"], [numbers["house part"]])
-    brought = workspace.classifiers.bring(elsewhere, "brought").id
+    brought = workspace.classifiers.import_file(elsewhere, "brought").id
     again = Classifiers(
         store, workspace._classifier_folder, workspace.recording, workspace.library.ids
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pointbrush.tracking import FrameResult, TrackState
-from pointbrush.work.tracking.runs import counted
+from pointbrush.work.tracking.runs import run_summary
 
 
 def state(points: int, confidence: float, said: str = "tracked") -> TrackState:
@@ -20,10 +20,12 @@ def test_each_label_is_told_with_its_frames_and_doubts() -> None:
         FrameResult(5, {}, {1: state(0, 0.0, "lost"), 2: state(0, 0.8, "occluded")}),
         FrameResult(6, {}, {1: state(9, 0.3)}),
     ]
-    assert counted(results, 3, names) == "pin 1: 2 frames, 2 doubtful; hand: 1 frame, 1 doubtful"
+    assert (
+        run_summary(results, 3, names) == "pin 1: 2 frames, 2 doubtful; hand: 1 frame, 1 doubtful"
+    )
 
 
 def test_many_labels_are_summed_up() -> None:
     one = FrameResult(1, {}, {number: state(9, 0.1) for number in range(1, 8)})
-    told = counted([one], 0, {})
+    told = run_summary([one], 0, {})
     assert told.endswith("; 4: 1 frame, 1 doubtful; 3 more labels, 3 frames doubtful")

@@ -174,7 +174,7 @@ class LocalClassifiers:
         out.write_bytes(self._service.file(classifier))
 
     def load(self, file: Path, name: str | None) -> About:
-        return self._service.bring(file.read_bytes(), name)
+        return self._service.import_file(file.read_bytes(), name)
 
 
 @dataclass(frozen=True, slots=True)

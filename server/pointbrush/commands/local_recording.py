@@ -120,7 +120,7 @@ class LocalRecording(Part):
         )
 
     def import_source_labels(self) -> None:
-        self.workspace.imports.bring_labels(self.id, AUTHOR)
+        self.workspace.imports.import_source_labels(self.id, AUTHOR)
 
     def export(
         self, format: str, out: Path, frames: str | None, val: str | None, above: float,

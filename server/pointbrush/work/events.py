@@ -100,7 +100,7 @@ class Listeners:
 
         return undo
 
-    def tell(self, event: Event) -> None:
+    def notify(self, event: Event) -> None:
         """Notify all listeners."""
         with self._lock:
             listeners = list(self._listeners)

@@ -76,7 +76,7 @@ async def bring_classifier(
 ) -> Classifier:
     """Import the file of a classifier, for example from another workspace."""
     data = bytes(await body_within(request, MOST_BYTES, "classifier"))
-    return _classifier(await run_in_threadpool(workspace.classifiers.bring, data, name))
+    return _classifier(await run_in_threadpool(workspace.classifiers.import_file, data, name))
 
 
 @router.get("/classifiers/{id}", responses=responses(404))
@@ -266,7 +266,7 @@ def take_back_answer(
 
     By default the last one; with ``centre``, the one at this place.
     """
-    workspace.classifiers.heed(classifier, seq, centre)
+    workspace.classifiers.undo_ignore(classifier, seq, centre)
 
 
 @router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))

@@ -125,7 +125,7 @@ def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Manifes
 
     The call can be repeated: the labels are imported once.
     """
-    workspace.imports.bring_labels(seq, who.author)
+    workspace.imports.import_source_labels(seq, who.author)
     return _out(workspace, seq)
 
 

@@ -39,7 +39,7 @@ def voter_of(
     return min(able, key=lambda other: abs(other - frame), default=None)
 
 
-def agreed(
+def average_chances(
     recording: Recording,
     frame: int,
     place: Described,

@@ -26,7 +26,7 @@ from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.annotate.layers import Packed
 from pointbrush.work.classifiers import PREDICT
-from pointbrush.work.classifiers.agreeing import agreed, voter_of
+from pointbrush.work.classifiers.agreeing import average_chances, voter_of
 from pointbrush.work.classifiers.frames import example_frame, pieces
 from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import label_of
@@ -66,13 +66,13 @@ class PredictingWork:
         total = sum(recording[frame].count for frame in self.frames) or 1
         done, kept = 0, dict[int, tuple[Described, Chances]]()
         for frame in self.frames:
-            for found, count in predicted(recording, frame, model, self.options, own, kept):
+            for found, count in predict_frame(recording, frame, model, self.options, own, kept):
                 channel.item(found)
                 done += count
                 channel.progress(min(done / total, 1.0), f"frame {frame}")
 
 
-def predicted(
+def predict_frame(
     recording: Recording, frame: int, model: Classifier, options: ClassifierOptions,
     own: Model | None = None, kept: dict[int, tuple[Described, Chances]] | None = None,
 ) -> Iterator[tuple[Found, int]]:  # fmt: skip
@@ -100,7 +100,7 @@ def predicted(
         place, chance = classify(example_frame(recording, frame))
         voter = voter_of(model, recording, frame, options.whole_points)
         if voter is not None:
-            chance = agreed(recording, frame, place, chance, voter, predict_other)
+            chance = average_chances(recording, frame, place, chance, voter, predict_other)
         kind, sure = point_classes(chance, place.of_point)
         kind[ignored_cells(model, recording, frame, place, None)[place.of_point]] = 0
         yield Found(frame, None, Packed.of(kind), Packed.of(sure)), count

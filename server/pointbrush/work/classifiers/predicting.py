@@ -17,7 +17,7 @@ from pointbrush.classify.smoothing import Chances, point_classes
 from pointbrush.errors import BadInputError
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.classifiers.agreeing import agreed, voter_of
+from pointbrush.work.classifiers.agreeing import average_chances, voter_of
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.frames import example_frame
 from pointbrush.work.classifiers.ignoring import ignored_cells
@@ -97,7 +97,7 @@ class Predictor:
         if voter is None:
             return chance
         predict = partial(self._compared, classifier, recording)
-        return agreed(recording, frame, place, chance, voter, predict)
+        return average_chances(recording, frame, place, chance, voter, predict)
 
     def _compared(
         self, classifier: Classifier, recording: Recording, frame: int

@@ -205,7 +205,7 @@ class Classifiers:
         """Return the bytes of a classifier's current file, without ignored places."""
         return to_file(replace(self._read(identifier)[1], ignored=()))
 
-    def bring(self, data: bytes, name: str | None = None) -> About:
+    def import_file(self, data: bytes, name: str | None = None) -> About:
         """Import a classifier's file; raises BadInputError for an invalid file."""
         self._require_writable()
         given, names = from_file(data), self._store.class_names()
@@ -313,7 +313,9 @@ class Classifiers:
         place = Ignored(recording.identity, frame, at, radius, runs, skipped)
         self._set_ignored(identifier, lambda known: (*known, place))
 
-    def heed(self, identifier: str, sequence: str, centre: Sequence[float] | None = None) -> None:
+    def undo_ignore(
+        self, identifier: str, sequence: str, centre: Sequence[float] | None = None
+    ) -> None:
         """Undo the last ``ignore`` in a recording, or at ``centre`` (3,); raises NotFoundError."""
         recording = self._recording(sequence)
         at = None if centre is None else _local(recording, centre)

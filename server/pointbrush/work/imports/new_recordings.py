@@ -122,7 +122,7 @@ class FileImports(NewRecordings[ImportRequest]):
         return importing.ImportWork(request, target, sequence, self._context.max_points)
 
     def _label(self, _request: ImportRequest, recording: Recording) -> list[str]:
-        return self._labels.bring(recording)
+        return self._labels.import_into(recording)
 
 
 class SampleImports(NewRecordings[SampleRequest]):

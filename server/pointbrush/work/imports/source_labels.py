@@ -30,7 +30,7 @@ class SourceLabels:
         self._store = store
         self._reasons: dict[str, str] = {}  # by identity
 
-    def bring(self, recording: Recording, author: str = "import") -> list[str]:
+    def import_into(self, recording: Recording, author: str = "import") -> list[str]:
         """Commit the labels in the files as an edit, once; raises the error of a failure.
 
         Returns warnings about labels that are left out.
@@ -64,7 +64,7 @@ def edit_of(manifest: Manifest) -> str:
     return str(uuid.uuid5(uuid.NAMESPACE_OID, manifest.imported_as))
 
 
-def came_with_files(frames: int) -> str:
+def source_labels_summary(frames: int) -> str:
     """Return the summary of the edit with these labels."""
     return f"labels that came with the files, {frames} frames"
 
@@ -95,7 +95,7 @@ def import_source_labels(store: WorkspaceStore, recording: Recording, author: st
         author=author,
         kind="import",
         writes=choose,
-        summary=came_with_files(len(frames)),
+        summary=source_labels_summary(len(frames)),
         identity=recording.identity,
     )
     return chosen.warnings()

@@ -62,7 +62,7 @@ class Imports:
     def _complete(self, manifest: Manifest) -> None:
         register(self._store, manifest)
         if "label" in manifest.fields and self._store.revision(manifest.id) == 0:
-            self.source_labels.bring(self._library.recording(manifest.id))
+            self.source_labels.import_into(self._library.recording(manifest.id))
 
     def begin(
         self,
@@ -125,7 +125,7 @@ class Imports:
 
         return LabelImports(self._context)
 
-    def bring_labels(self, sequence: str, author: str) -> None:
+    def import_source_labels(self, sequence: str, author: str) -> None:
         """Import labels from a recording's own files that its import has not imported.
 
         A repeated call has no effect.  Raises ConflictError if the files have none, and the errors
@@ -136,7 +136,7 @@ class Imports:
             raise ConflictError(f"labels: expected some in the files of {sequence!r}, got none")
         register(self._store, recording.manifest)
         try:
-            self.source_labels.bring(recording, author)
+            self.source_labels.import_into(recording, author)
         finally:
             self._context.publish(SequencesChanged(sequence))
 

@@ -115,7 +115,7 @@ class Preparer:
         self._pool: ProcessPoolExecutor | None = None
         self._thread: threading.Thread | None = None
 
-    def wish(self, recording: Recording, frames: list[int]) -> None:
+    def request(self, recording: Recording, frames: list[int]) -> None:
         """Queue frames for preparation, in their order."""
         with self._changed:
             for frame in reversed(frames):

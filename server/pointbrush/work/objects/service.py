@@ -68,7 +68,7 @@ class Clicks:
             previous=str(fields.get("previous") or ""),
         )
 
-    def words(self) -> tuple[object, ...]:
+    def cache_key(self) -> tuple[object, ...]:
         """Return a key of these clicks, without ``previous``."""
         rays = (
             array.tobytes()
@@ -207,7 +207,7 @@ class Objects:
         regions = [(numbers[free[numbers]], score) for numbers, score in found.regions]
         if clip is not None:
             regions = [(clip.of(points, numbers), score) for numbers, score in regions]
-        key = (*version, self._name, kept, found.ready, clicks.previous, *clicks.words())
+        key = (*version, self._name, kept, found.ready, clicks.previous, *clicks.cache_key())
         answer = _ladder(regions, repr(key).encode(), ready=found.ready)
         for each in answer.candidates:
             self._offers.put(each.id, _Offer(each, version))

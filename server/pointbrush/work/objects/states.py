@@ -153,7 +153,7 @@ class States:
             if 0 <= number < len(recording)
             and 0 < recording[number].count <= self._options.whole_points
         ]
-        self._preparer.wish(recording, wanted)
+        self._preparer.request(recording, wanted)
 
     def _forget(self, recording: Recording, frame: int) -> None:
         """Prepare a frame again after its selector has lost the state."""

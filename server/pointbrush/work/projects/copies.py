@@ -16,7 +16,7 @@ from pointbrush.sequences.storage.manifest import rename_sequence
 from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
 from pointbrush.teamwork.copies import CopyKind
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.imports.source_labels import came_with_files, edit_of
+from pointbrush.work.imports.source_labels import edit_of, source_labels_summary
 from pointbrush.work.library import Library
 from pointbrush.work.trash import ids_for
 
@@ -58,7 +58,7 @@ def make_copy(
         author="import",
         kind="import",
         writes=lambda _: (palette, _copied(store, recording, chosen)),
-        summary=lambda _, changed: came_with_files(changed),
+        summary=lambda _, changed: source_labels_summary(changed),
     )
     return guard.sequence
 

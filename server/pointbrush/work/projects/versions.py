@@ -103,12 +103,12 @@ def _labels(first: Moment, second: Moment) -> list[LabelDifference]:
             found.append(LabelDifference(number, after.name, "came"))
         elif before is not None and after is None:
             found.append(LabelDifference(number, before.name, "went"))
-        elif before and after and _looks(before) != _looks(after):
+        elif before and after and _appearance(before) != _appearance(after):
             found.append(LabelDifference(number, after.name, "changed"))
     return found
 
 
-def _looks(label: Label) -> tuple[str, str, str]:
+def _appearance(label: Label) -> tuple[str, str, str]:
     return label.name, label.category, label.color
 
 

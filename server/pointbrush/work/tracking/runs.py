@@ -142,7 +142,7 @@ class _Run(Receiver):
         labelled = "1 label" if count == 1 else f"{count} labels"
         frames = f"frames {request.start} to {request.stop}"
         summary = f"tracked {labelled}, {frames}, {request.options.method}"
-        outcome = counted(pending.results, request.start, self.names)
+        outcome = run_summary(pending.results, request.start, self.names)
         result = pending.commit(job.edit or job.id, job.owner or "", summary)
         return _report(result, self.names, outcome)
 
@@ -166,7 +166,7 @@ def _report(result: dict[str, Any], names: Mapping[int, str], outcome: str) -> d
     return result | {"left_out": found, MESSAGE: message}
 
 
-def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]) -> str:
+def run_summary(results: Iterable[FrameResult], start: int, names: Mapping[int, str]) -> str:
     """Return a summary of the numbers of found and doubtful frames by label.
 
     Example: "pin 1: 29 frames, 7 doubtful; pin 2: 29 frames".  The painted frame ``start`` is
@@ -180,7 +180,9 @@ def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]
         for label, track in result.tracks.items():
             found[label] = found.get(label, 0) + (track.points > 0)
             doubts[label] = doubts.get(label, 0) + doubtful(track)
-    summaries = [_one(names.get(label, str(label)), found[label], doubts[label]) for label in found]
+    summaries = [
+        _label_summary(names.get(label, str(label)), found[label], doubts[label]) for label in found
+    ]
     if len(summaries) > MOST_NAMED:
         rest = list(found)[MOST_NAMED:]
         more = f"{len(rest)} more labels, {sum(doubts[label] for label in rest)} frames doubtful"
@@ -188,6 +190,6 @@ def counted(results: Iterable[FrameResult], start: int, names: Mapping[int, str]
     return "; ".join(summaries)
 
 
-def _one(name: str, frames: int, doubtful_frames: int) -> str:
+def _label_summary(name: str, frames: int, doubtful_frames: int) -> str:
     summary = f"{name}: {frames} {'frame' if frames == 1 else 'frames'}"
     return f"{summary}, {doubtful_frames} doubtful" if doubtful_frames else summary
