@@ -9,7 +9,7 @@ import pytest
 from pointbrush.cli import parser
 from pointbrush.errors import BadInputError
 from pointbrush.settings.command_sets import CLIENTS
-from pointbrush.settings.documentation import DOCS, documented
+from pointbrush.settings.documentation import DOCS, with_new_tables
 from pointbrush.settings.settings import Settings, options
 
 
@@ -94,4 +94,4 @@ def test_limits_of_a_server_are_flags() -> None:
 
 def test_the_page_of_options_is_fresh() -> None:
     text = DOCS.read_text(encoding="utf-8")
-    assert text == documented(text), "run `python -m pointbrush.settings`"
+    assert text == with_new_tables(text), "run `python -m pointbrush.settings`"

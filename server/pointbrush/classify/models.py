@@ -87,7 +87,7 @@ class HttpModel:
         most = (options or HttpOptions()).answer_bytes
         self._role = f"model {name}"
         self._service = NpzService(address, self._role, most)
-        about = self._service.ask("about", {"version": np.array(1)}, self._seconds)
+        about = self._service.call("about", {"version": np.array(1)}, self._seconds)
         self.takes, self.learns = str(about.get("takes")), bool(np.all(about.get("learns", False)))
         known: Any = about.get("classes", np.empty(0, str))
         if known.dtype.kind != "U" or known.size > MOST_CLASSES:
@@ -104,7 +104,7 @@ class HttpModel:
             "classes": classes,
             "names": np.array(names),
         }
-        answer = self._service.ask("learn", given, self._seconds)
+        answer = self._service.call("learn", given, self._seconds)
         return bytes(self._service.array(answer, "state", np.uint8).tobytes())
 
     def scores(self, question: Question) -> NDArray[np.float32]:
@@ -122,7 +122,7 @@ class HttpModel:
                 column = getattr(points, name)
                 if column is not None:
                     given[name] = column
-        answer = self._service.ask("scores", given, self._seconds)
+        answer = self._service.call("scores", given, self._seconds)
         if "scores" not in answer or answer["scores"].dtype.kind not in "iuf":
             raise UnavailableError(f"{self._role}: expected scores, numbers, in the answer")
         return answer["scores"].astype(np.float32, copy=False)

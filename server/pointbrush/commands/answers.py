@@ -52,7 +52,7 @@ def table(value: Sequence[object], head: Sequence[str], rows: Iterable[Sequence[
     return Answer(value, lines, head="\t".join(head) if lines else "")
 
 
-def together(answers: Iterable[Answer]) -> Answer:
+def merge_answers(answers: Iterable[Answer]) -> Answer:
     """Join several answers; return a single answer unchanged."""
     found = list(answers)
     if len(found) == 1:

@@ -8,12 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from pointbrush.commands.answers import Answer, confirmed, together
+from pointbrush.commands.answers import Answer, confirmed, merge_answers
 from pointbrush.commands.arguments import SEQUENCE, argument, positive, switch, verb
 from pointbrush.commands.places import Place, finished
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.corrections import Corrections
-from pointbrush.settings.definitions import chosen
+from pointbrush.settings.definitions import values_of
 from pointbrush.work.imports.options import LabelOptions
 
 
@@ -28,13 +28,15 @@ from pointbrush.work.imports.options import LabelOptions
 )
 def import_(given: argparse.Namespace, place: Place) -> Answer:
     """Import files as one recording."""
-    options = chosen(Corrections, given) | {"name": given.name, "fps": given.fps}
+    options = values_of(Corrections, given) | {"name": given.name, "fps": given.fps}
     options |= {"project": given.project}
     recordings = _recordings(given)
     if given.dry_run:
-        return together(_previewed(asdict(place.preview(paths, **options))) for paths in recordings)
+        return merge_answers(
+            _previewed(asdict(place.preview(paths, **options))) for paths in recordings
+        )
     jobs = [place.start_import(paths, **options) for paths in recordings]
-    return together(imported(finished(place, job)) for job in jobs)
+    return merge_answers(imported(finished(place, job)) for job in jobs)
 
 
 def _recordings(given: argparse.Namespace) -> list[list[Path]]:
@@ -145,7 +147,7 @@ def import_labels(given: argparse.Namespace, place: Place) -> Answer:
         [given.path],
         map=None if given.map is None else _text(given.map),
         dry_run=given.dry_run,
-        **chosen(LabelOptions, given),
+        **values_of(LabelOptions, given),
     )
     result = finished(place, job)
     return _labels_imported(result, len(recording.frames), dry_run=given.dry_run)

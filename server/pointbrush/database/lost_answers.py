@@ -10,7 +10,7 @@ from sqlalchemy import Connection
 
 from pointbrush.database.database import Database
 from pointbrush.errors import UnavailableError
-from pointbrush.system.resources import shortages_in_words
+from pointbrush.system.resources import shortages_as_unavailable
 
 SETTLE_SECONDS = 10.0
 """Longest wait for a lost database until the result of a write can be looked up."""
@@ -23,7 +23,7 @@ def once_it_is_back(ask: Callable[[], T]) -> T:
     end = time.monotonic() + SETTLE_SECONDS
     while True:
         try:
-            with shortages_in_words():
+            with shortages_as_unavailable():
                 return ask()
         except UnavailableError:
             if time.monotonic() > end:

@@ -44,13 +44,13 @@ class NpzService:
         except BadInputError as error:
             raise BadInputError(f"{self.role}: {error}") from None
 
-    def ask(self, call: str, arrays: Arrays, seconds: float) -> Arrays:
+    def call(self, call: str, arrays: Arrays, seconds: float) -> Arrays:
         """Send arrays to ``{address}/v1/{call}``; raises UnavailableError for no good answer."""
         body = io.BytesIO()
         np.savez(body, **arrays)  # type: ignore[arg-type]  # numpy's stub takes no mapping
         calls = _calls[self.address]
         if not calls.acquire(blocking=False):
-            raise self._unanswered(call, f"{AT_ONCE} calls of it wait already")
+            raise self._no_answer(call, f"{AT_ONCE} calls of it wait already")
         try:
             answer = exchange(
                 "POST",
@@ -60,17 +60,17 @@ class NpzService:
                 body=body.getvalue(),
             )
         except PointbrushError as error:
-            raise self._unanswered(call, error) from None
+            raise self._no_answer(call, error) from None
         finally:
             calls.release()
         if answer.status == HTTPStatus.GONE:
             raise self.gone(f"{self.role}: the frame must be prepared anew")
         if not answer.success:
-            raise self._unanswered(call, f"status {answer.status}")
+            raise self._no_answer(call, f"status {answer.status}")
         try:
             return read_npz(answer.body, self.most_bytes)
         except BadInputError as error:
-            raise self._unanswered(call, error) from None
+            raise self._no_answer(call, error) from None
 
     def array(self, answer: Arrays, name: str, dtype: type) -> NDArray[Any]:
         """Return a flat array of an answer; raises UnavailableError for another."""
@@ -79,5 +79,5 @@ class NpzService:
         except BadInputError as error:
             raise UnavailableError(f"{self.role}: {error}") from None
 
-    def _unanswered(self, call: str, reason: object) -> UnavailableError:
+    def _no_answer(self, call: str, reason: object) -> UnavailableError:
         return UnavailableError(f"{self.role}: expected an answer to {call}: {reason}")

@@ -31,7 +31,7 @@ from pointbrush.jobs.worker import (
     shut_down,
     worker_lost,
 )
-from pointbrush.system.resources import shortage, shortages_in_words
+from pointbrush.system.resources import shortage, shortages_as_unavailable
 from pointbrush.values.jobs import JobState
 
 logger = logging.getLogger(__name__)
@@ -149,7 +149,7 @@ class JobRunner:
                 self._running[job.id] = running
                 self.known.add(job)
                 running.future = self._submit_work(job.id, running)
-            with shortages_in_words():
+            with shortages_as_unavailable():
                 supervisor.start()
         except BaseException:
             self._forget(job.id)
@@ -163,7 +163,7 @@ class JobRunner:
 
         Jobs then need not wait for its imports.  Workers of a cluster are started independently.
         """
-        with self._lock, suppress(UnavailableError), shortages_in_words():
+        with self._lock, suppress(UnavailableError), shortages_as_unavailable():
             if not self._workers.has_started and not self._closed:
                 self._workers.submit(function)
 

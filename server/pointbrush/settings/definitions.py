@@ -103,7 +103,7 @@ def choice(default: Any, help_text: str, **more: Any) -> Any:
     return option(default, help_text, where=(), **more)
 
 
-def chosen(kind: type, source: object) -> dict[str, Any]:
+def values_of(kind: type, source: object) -> dict[str, Any]:
     """Return the fields of dataclass ``kind`` as ``source``'s attributes have them, by name."""
     return {each.name: getattr(source, each.name) for each in fields(kind)}
 

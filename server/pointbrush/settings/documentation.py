@@ -14,7 +14,7 @@ BEGIN, END = "<!-- Written by `python -m pointbrush.settings`. -->\n", "<!-- End
 HEAD = ("| flag | variable | default | commands | meaning |", "|---|---|---|---|---|")
 
 
-def documented(text: str) -> str:
+def with_new_tables(text: str) -> str:
     """Return ``text`` of docs/options.md with new tables between its two marks."""
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)

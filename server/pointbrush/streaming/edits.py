@@ -21,7 +21,7 @@ from pointbrush.streaming.encoding import decode, encode
 from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.system.resources import shortages_in_words
+from pointbrush.system.resources import shortages_as_unavailable
 from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects import ObjectStroke
 from pointbrush.work.tracking.options import RunOptions
@@ -199,7 +199,7 @@ class Editor:
             try:
                 if expelled is not None:
                     raise expelled
-                with shortages_in_words():
+                with shortages_as_unavailable():
                     # If the stroke's end waits already, its final answer replaces this one.
                     result = yield from self._apply(edit, provisional=edit.id not in ends)
                 done.append((edit, result, one.came))

@@ -24,7 +24,7 @@ from pointbrush.streaming.shared.cache import MessageCache
 from pointbrush.streaming.shared.presence import Presence
 from pointbrush.streaming.shared.stock import Shelf
 from pointbrush.streaming.viewer import Viewer
-from pointbrush.system.resources import shortages_in_words
+from pointbrush.system.resources import shortages_as_unavailable
 from pointbrush.work.events import (
     ClassesRenamed,
     Compiling,
@@ -112,7 +112,7 @@ class Hub:
 
     async def read(self, function: Callable[..., T], *args: Any) -> T:
         """Run a short function that reads in a thread."""
-        with shortages_in_words():
+        with shortages_as_unavailable():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._reads)
 
     async def edit(self, function: Callable[..., T], *args: Any, continued: bool = False) -> T:
@@ -121,9 +121,9 @@ class Hub:
         ``continued``: continue long work in the pool for long work; short edits keep their threads.
         """
         if continued:
-            with shortages_in_words():
+            with shortages_as_unavailable():
                 return await anyio.to_thread.run_sync(function, *args, limiter=self._long)
-        with self.load.edit(), shortages_in_words():
+        with self.load.edit(), shortages_as_unavailable():
             return await anyio.to_thread.run_sync(function, *args, limiter=self._edits)
 
     # ── sent messages ────────────────────────────────────────────────────────────────────

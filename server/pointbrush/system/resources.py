@@ -52,7 +52,7 @@ def shortage(error: BaseException) -> UnavailableError | None:
 
 
 @contextlib.contextmanager
-def shortages_in_words() -> Iterator[None]:
+def shortages_as_unavailable() -> Iterator[None]:
     """Raise UnavailableError in place of errors about a shortage that may pass."""
     try:
         yield

@@ -70,7 +70,7 @@ class HttpSelector:
             column = getattr(frame, name)
             if column is not None:
                 arrays[name] = column
-        answer = self._service.ask("prepare", arrays, self._options.prepare_seconds)
+        answer = self._service.call("prepare", arrays, self._options.prepare_seconds)
         return _Remote(self._service.array(answer, "state", np.uint8), len(frame.xyz))
 
     def candidates(
@@ -87,7 +87,7 @@ class HttpSelector:
             "negatives": negatives,
             "mask": np.empty(0, np.int64) if mask is None else mask,
         }
-        answer = self._service.ask("candidates", arrays, self._options.click_seconds)
+        answer = self._service.call("candidates", arrays, self._options.click_seconds)
         scores = self._service.array(answer, "scores", np.float32)
         if len(scores) > self._options.most_candidates:
             raise UnavailableError(

@@ -15,7 +15,7 @@ from starlette.exceptions import HTTPException
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.formats.tables.names import LABEL_FORMATS
-from pointbrush.settings.definitions import chosen
+from pointbrush.settings.definitions import values_of
 from pointbrush.streaming.messages import Uuid
 from pointbrush.values.base import Patterns
 from pointbrush.values.edits import Edit
@@ -116,7 +116,7 @@ def put_annotations(
 def _more(options: LabelImportOptions) -> dict[str, Any]:
     """Arguments of ``Imports.begin_labels`` that are the caller's choice; raises BadInputError."""
     names = {} if options.map is None else parse_map("map", options.map)
-    return chosen(LabelOptions, options) | {"names": names, "job_id": options.id}
+    return values_of(LabelOptions, options) | {"names": names, "job_id": options.id}
 
 
 async def _uploaded(

@@ -20,7 +20,7 @@ from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.corrections import Corrections, parse_corrections
 from pointbrush.formats.tables.names import DELIMITERS, POSES
-from pointbrush.settings.definitions import chosen
+from pointbrush.settings.definitions import values_of
 from pointbrush.values.base import Patterns
 from pointbrush.values.imports import (
     Entry,
@@ -93,7 +93,7 @@ class Wanted:
         name = options.name or (self.upload.name if self.upload else None)
         return {
             "name": name, "fps": options.fps, "roots": self.roots,
-            "chosen": parse_corrections(chosen(Corrections, options)),
+            "chosen": parse_corrections(values_of(Corrections, options)),
             "project": options.project,
         }  # fmt: skip
 

@@ -22,7 +22,7 @@ from pointbrush.database.backup import back_up, move, restore, restore_file, res
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.names import is_plain
 from pointbrush.sequences.storage.manifest import rename_sequence
-from pointbrush.system.resources import shortages_in_words
+from pointbrush.system.resources import shortages_as_unavailable
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.uploads import any_alive
 from pointbrush.work.library import Library
@@ -244,7 +244,7 @@ def _copy_plain(source: Path, target: Path) -> None:
             f"restore: {source.name} of the backup takes {size:,} bytes, the disk has {room:,}"
         )
     try:
-        with shortages_in_words():
+        with shortages_as_unavailable():
             shutil.copytree(source, target, symlinks=True, dirs_exist_ok=True)
     except OSError as error:
         reason = error.args[0][0][2] if isinstance(error, shutil.Error) else error

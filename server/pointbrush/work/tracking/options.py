@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 from pointbrush.errors import BadInputError
-from pointbrush.settings.definitions import choice, chosen
+from pointbrush.settings.definitions import choice, values_of
 
 Overwrite = Literal["never", "tracked", "all"]
 
@@ -38,4 +38,4 @@ class RunOptions:
     @classmethod
     def of(cls, source: object) -> dict[str, Any]:
         """Return the options by name from attributes of ``source``."""
-        return chosen(cls, source)
+        return values_of(cls, source)
