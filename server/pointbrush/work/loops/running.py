@@ -66,14 +66,14 @@ class Loops:
 
     def _run(self) -> None:
         try:
-            self._see_through()
+            self._compile_all()
         except Exception as error:
             logger.warning("loops are compiled when they are first run: %s", error)
         finally:
             for step in self.missing():
-                self._set(step, DONE)
+                self._set_progress(step, DONE)
 
-    def _see_through(self) -> None:
+    def _compile_all(self) -> None:
         pool = local_processes(1)
         try:
             work = pool.submit(ensure_compiled, STEPS)
@@ -81,19 +81,19 @@ class Loops:
                 if self._closed.is_set():
                     end_processes(pool)
                     return
-                self._look()
+                self._publish_progress()
             work.result()
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
 
-    def _look(self) -> None:
+    def _publish_progress(self) -> None:
         """Publish steps that advanced by a hundredth or are done."""
         for step, before in self.missing().items():
             now = progress_of(step)
             if now.share >= 1 or int(100 * now.share) != int(100 * before.share):
-                self._set(step, now)
+                self._set_progress(step, now)
 
-    def _set(self, step: StepName, progress: Progress) -> None:
+    def _set_progress(self, step: StepName, progress: Progress) -> None:
         with self._lock:
             self._missing[step] = progress
             if progress.share >= 1:
