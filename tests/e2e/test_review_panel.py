@@ -46,7 +46,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
 
 def opened(workspace: Workspace, **options: object) -> ReviewPanel:
     panel = review.open(workspace, workspace.library.manifests()[0].id, port=0, **options)
-    panel.explained()
+    panel.wait_for_explanation()
     panel.go_to(2)
     return panel
 

@@ -281,13 +281,13 @@ class ReviewPanel:
         slider: Any = self._frame  # viser declares the value as read-only, but documents setting it
         slider.value = frame
 
-    def explained(self) -> None:
+    def wait_for_explanation(self) -> None:
         """Wait until the explained label is tracked to the end, and show it."""
         if self._explaining is not None:
             self._explaining.wait()
             self.show()
 
-    def own(self, workspace: Workspace) -> ReviewPanel:
+    def close_with(self, workspace: Workspace) -> ReviewPanel:
         """Close a workspace together with the panel."""
         self._owned.append(workspace)
         return self
@@ -323,7 +323,7 @@ def open_panel(
         return ReviewPanel(workspace, sequence, port=port, **options)
     opened = Workspace(Settings(workspace=Path(workspace)))
     try:
-        return ReviewPanel(opened, sequence, port=port, **options).own(opened)
+        return ReviewPanel(opened, sequence, port=port, **options).close_with(opened)
     except BaseException:
         opened.close()
         raise
