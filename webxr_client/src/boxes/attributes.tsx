@@ -35,22 +35,22 @@ function set(box: ObjectBox, scope: 'track' | 'frame', name: string, value: Attr
 export function BoxAttributes({ box }: { box: ObjectBox }) {
   useEffect(() => void load().catch(() => undefined), []);
   const pose = box.poses[state.shown.value.frame];
-  const here: Attributes = { ...box.attributes, ...pose?.attributes };
+  const values: Attributes = { ...box.attributes, ...pose?.attributes };
   const disabled = !canEdit.value;
   return (
     <fieldset class="box-attributes" disabled={disabled}>
       <Check label="Front known" tip="The arrow points to the front of the object, in all frames" checked={box.heading_known} onChange={(heading_known) => void changeBox(box.id, { heading_known })} />
       <ChoiceRow
         label="Occluded"
-        value={String(here['occluded'] ?? '')}
+        value={String(values['occluded'] ?? '')}
         choices={[NOT_SET, ...OCCLUDED.map((text, i) => [String(i), text] as const)]}
         onChange={(value) => setNumber(box, 'occluded', value)}
       />
       <Row label="Truncated" tip="Fraction of the object outside the view of the sensor, 0 to 1">
-        <input class="field number" type="number" min={0} max={1} step={0.05} placeholder="0 – 1" value={String(here['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
+        <input class="field number" type="number" min={0} max={1} step={0.05} placeholder="0 – 1" value={String(values['truncated'] ?? '')} onChange={(event) => setNumber(box, 'truncated', event.currentTarget.value)} />
       </Row>
       {[PARKED, ...defined.value.filter(({ name }) => name !== 'parked')].map((kind) => (
-        <Attribute key={kind.name} kind={kind} value={here[kind.name]} change={(value) => set(box, kind.scope, kind.name, value)} />
+        <Attribute key={kind.name} kind={kind} value={values[kind.name]} change={(value) => set(box, kind.scope, kind.name, value)} />
       ))}
     </fieldset>
   ); // prettier-ignore

@@ -73,9 +73,9 @@ export function commitDraft(): void {
 }
 
 export function dropDraft(): boolean {
-  const there = draft.peek() !== null;
+  const hadDraft = draft.peek() !== null;
   draft.value = null;
-  return there;
+  return hadDraft;
 }
 
 function path(of: string | number = ''): string {
@@ -147,7 +147,7 @@ export function leaveBox(): boolean {
 // ── work of the server ─────────────────────────────────────────────────────────────────────────
 
 /** Most skipped labels that a message lists. */
-const MOST_TOLD = 3;
+const MAX_LISTED_LABELS = 3;
 
 /** Fit boxes to labelled points; drawn poses stay, unless they are to be fitted too. */
 export function fitBoxes({ labels, category, frames, redraw = false }: BoxFit): Promise<void> {
@@ -157,13 +157,14 @@ export function fitBoxes({ labels, category, frames, redraw = false }: BoxFit): 
     ended(
       (job) => job.id === id,
       (job) => {
-        if (job.state === 'done') void attempt('The fitted boxes did not load', () => tellFit(id));
+        if (job.state === 'done')
+          void attempt('The fitted boxes did not load', () => notifyFit(id));
       },
     );
   });
 }
 
-async function tellFit(id: string): Promise<void> {
+async function notifyFit(id: string): Promise<void> {
   const { result } = await api<{ result: FittedBoxes }>('GET', `jobs/${id}`);
   const names = new Map(state.palette.peek().map((label) => [String(label.id), label.name]));
   const skipped = Object.entries(result.skipped).map(
@@ -171,7 +172,7 @@ async function tellFit(id: string): Promise<void> {
   );
   const count = result.fitted.length;
   const title = count === 1 ? '1 box fitted' : `${count === 0 ? 'No' : count} boxes fitted`;
-  notify(count > 0 ? 'success' : 'info', title, skipped.slice(0, MOST_TOLD).join(' · '));
+  notify(count > 0 ? 'success' : 'info', title, skipped.slice(0, MAX_LISTED_LABELS).join(' · '));
 }
 
 /** Run `done` with a job of the open recording once it has ended; nothing once that is closed. */
@@ -286,7 +287,7 @@ export function copyToFrame(step: 1 | -1): Promise<void> {
 }
 
 /** Bring the chosen box to the frame on screen from the nearest one that has it. */
-export function bringHere(): Promise<void> {
+export function copyToShownFrame(): Promise<void> {
   const box = chosenBox.peek();
   const to = state.frame.peek();
   const frames = Object.keys(box?.poses ?? {}).map(Number);

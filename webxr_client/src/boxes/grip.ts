@@ -27,9 +27,9 @@ export function gripOf({ size }: Shape, at: Triple, reach: number): Grip | null 
     : null;
   let nearest = within;
   for (const sides of HANDLES) {
-    const away = Math.hypot(...sides.map((side, k) => (side * size[k]!) / 2 - at[k]!));
-    if (away >= nearest) continue;
-    nearest = away;
+    const distance = Math.hypot(...sides.map((side, k) => (side * size[k]!) / 2 - at[k]!));
+    if (distance >= nearest) continue;
+    nearest = distance;
     best = sides;
   }
   return best;

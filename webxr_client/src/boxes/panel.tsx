@@ -11,7 +11,7 @@ import { activeLabel, canEdit, state, trackingJob } from '../store/state';
 import { BoxAttributes } from './attributes';
 import {
   boxFromPoints,
-  bringHere,
+  copyToShownFrame,
   changeBox,
   copyToFrame,
   fitBoxes,
@@ -137,18 +137,18 @@ function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
 }
 
 function Chosen({ box }: { box: ObjectBox }) {
-  const here = state.shown.value.frame in box.poses;
+  const isInFrame = state.shown.value.frame in box.poses;
   const no = !canEdit.value;
   return (
     <>
-      {here ? <BoxViews /> : <NotHere box={box} />}
+      {isInFrame ? <BoxViews /> : <MissingInFrame box={box} />}
       <div class="box-actions line wrap">
         <FitButton />
-        <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !here} onClick={() => void copyToFrame(1)} />
+        <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !isInFrame} onClick={() => void copyToFrame(1)} />
         <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn boxes" disabled={no} onClick={() => void interpolate()} />
         <Button label="Turn round" kind="outlined" keys="Shift T" tip="Turn the box by 180° in all frames; its front then counts as known" disabled={no} onClick={() => void turnRound()} />
         <Button label="Box from points" kind="outlined" keys="Shift F" tip="BoxFit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
-        <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !here} onClick={() => void pointsFromBox(false)} />
+        <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !isInFrame} onClick={() => void pointsFromBox(false)} />
         <DrawButton />
       </div>
       <div class="box-more stack">
@@ -159,12 +159,12 @@ function Chosen({ box }: { box: ObjectBox }) {
   ); // prettier-ignore
 }
 
-function NotHere({ box }: { box: ObjectBox }) {
+function MissingInFrame({ box }: { box: ObjectBox }) {
   const frames = Object.keys(box.poses).length;
   return (
     <div class="box-without stack">
       <p>Not in this frame. It is in {plural(frames, 'frame')}.</p>
-      <Button label="Copy to this frame" kind="primary" tip="Copy the box from the nearest frame" disabled={!canEdit.value} onClick={() => void bringHere()} />
+      <Button label="Copy to this frame" kind="primary" tip="Copy the box from the nearest frame" disabled={!canEdit.value} onClick={() => void copyToShownFrame()} />
     </div>
   ); // prettier-ignore
 }

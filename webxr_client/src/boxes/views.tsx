@@ -178,8 +178,8 @@ function Handles({ view, box, shape, anchor, scale, color }: HandlesProps) {
   const corners = CORNERS.map(([right, up]) => at(right, up));
   const middle = at(0, 0);
   const front = at(1, 0);
-  const away = Math.hypot(front[0] - middle[0], front[1] - middle[1]) || 1;
-  const way = [(front[0] - middle[0]) / away, (front[1] - middle[1]) / away] as const;
+  const length = Math.hypot(front[0] - middle[0], front[1] - middle[1]) || 1;
+  const way = [(front[0] - middle[0]) / length, (front[1] - middle[1]) / length] as const;
   const knob: Pixel = [front[0] + KNOB * way[0], front[1] + KNOB * way[1]];
   return (
     <svg width={scale.width} height={scale.height} style={{ '--color': color }} role="group" aria-label={`${view.name} view of the box`}>

@@ -111,9 +111,9 @@ export class Projected {
     let found = -1;
     for (let y = Math.max(0, v - reach); y <= Math.min(this.height - 1, v + reach); y++) {
       for (let x = Math.max(0, u - reach); x <= Math.min(this.width - 1, u + reach); x++) {
-        const away = (x - u) ** 2 + (y - v) ** 2;
-        if (away >= best || this.points[y * this.width + x]! < 0) continue;
-        best = away;
+        const squaredDistance = (x - u) ** 2 + (y - v) ** 2;
+        if (squaredDistance >= best || this.points[y * this.width + x]! < 0) continue;
+        best = squaredDistance;
         found = this.points[y * this.width + x]!;
       }
     }

@@ -34,7 +34,7 @@ export function pointAt(place: Vec, by: Pointed['by']): void {
   pointed.value = { place, by };
 }
 
-export function pointAway(by: Pointed['by']): void {
+export function clearPointed(by: Pointed['by']): void {
   if (pointed.peek()?.by === by) pointed.value = null;
 }
 
@@ -42,7 +42,7 @@ export function pointAway(by: Pointed['by']): void {
 export type Runs = readonly (readonly [first: number, length: number])[];
 
 /** A piece of a frame that has an edge in the pictures; null: none. */
-export const askedPiece = signal<{ readonly frame: number; readonly runs: Runs } | null>(null);
+export const questionPiece = signal<{ readonly frame: number; readonly runs: Runs } | null>(null);
 
 /** Lines that are drawn over the pictures: ends two and two, local metres. */
 export interface Outline {

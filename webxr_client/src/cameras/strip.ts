@@ -19,7 +19,7 @@ class CameraStrip {
   private readonly marker: PlaceMarker;
   private readonly known = new Map<number, readonly Camera[]>();
   private looked = 0;
-  private asked = 0;
+  private newestRequest = 0;
 
   constructor(private readonly engine: Engine) {
     this.marker = new PlaceMarker(engine.viewer.room);
@@ -43,7 +43,7 @@ class CameraStrip {
     if (!info || frame < 0) return;
     const before = pictures.peek();
     if (before?.sequence === info.id && before.frame === frame) return;
-    const asked = ++this.asked;
+    const request = ++this.newestRequest;
     let cameras = this.known.get(frame);
     if (!cameras) {
       try {
@@ -54,7 +54,7 @@ class CameraStrip {
       if (state.sequence.peek()?.identity !== info.identity) return;
       this.known.set(frame, cameras);
     }
-    if (asked === this.asked) pictures.value = { sequence: info.id, frame, cameras };
+    if (request === this.newestRequest) pictures.value = { sequence: info.id, frame, cameras };
   }
 
   /** Before each picture: whether points or labels are others. */

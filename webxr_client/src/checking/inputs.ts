@@ -31,7 +31,7 @@ class Seen {
     return this.pressed.size + this.leaned.size + (this.joints ?? 0);
   }
 
-  get told(): HeadsetInput {
+  get report(): HeadsetInput {
     const { handedness: side, targetRayMode: mode, profiles, gamepad } = this.source;
     const kind = kindOf(this.source);
     return {
@@ -71,8 +71,8 @@ export class Inputs {
   }
 
   /** List the seen inputs, in an order that does not depend on the order of their first use. */
-  get told(): HeadsetInput[] {
+  get reports(): HeadsetInput[] {
     const keys = [...this.seen.keys()].sort();
-    return keys.map((key) => this.seen.get(key)!.told);
+    return keys.map((key) => this.seen.get(key)!.report);
   }
 }

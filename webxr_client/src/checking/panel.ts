@@ -15,7 +15,7 @@ const ROW = 1.7;
 const COLUMNS = 2;
 
 export class CheckPanel extends Panel {
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
   /** Of the inputs, as they are drawn. */
   private changes = -1;
 
@@ -24,11 +24,11 @@ export class CheckPanel extends Panel {
     private readonly inputs: Inputs,
   ) {
     super({ width: 0.62, height: 0.41, pixelsPerMetre: 1700, em: SIZES.check.em }, 97);
-    this.unfollow = watch([outcomes, state.playing], this.touch);
+    this.unsubscribe = watch([outcomes, state.playing], this.touch);
   }
 
   override dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     super.dispose();
   }
 
@@ -68,7 +68,7 @@ export class CheckPanel extends Panel {
   /** Write the buttons that were pressed so far, as feedback for each press. */
   private drawInputs(ui: Ui, x: number, y: number): void {
     const { em, width } = ui;
-    this.inputs.told.slice(0, 2).forEach(({ side, layout, pressed, joints }, i) => {
+    this.inputs.reports.slice(0, 2).forEach(({ side, layout, pressed, joints }, i) => {
       const buttons = `buttons ${pressed.join(' ') || 'none yet'}`;
       const words = `${side}: ${layout}, ${joints ? `${joints} joints, ` : ''}${buttons}`;
       ui.text(words, x, y + em * ROW * i, { color: INK.quiet, width: width - 2 * x });

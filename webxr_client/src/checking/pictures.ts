@@ -29,10 +29,10 @@ export class Pictures {
     if (count === 0) return null;
     const sorted = this.intervals.slice(0, count).sort();
     const found = rateOf(sorted);
-    const told = session.frameRate ?? null;
-    const late = (LATE * 1000) / (told ?? found);
+    const reportedRate = session.frameRate ?? null;
+    const late = (LATE * 1000) / (reportedRate ?? found);
     return {
-      told,
+      told: reportedRate,
       offered: [...(session.supportedFrameRates ?? [])],
       found,
       count,

@@ -28,7 +28,7 @@ export function reportOf({ session, inputs, pictures, buttons }: Findings): Head
     browser: navigator.userAgent,
     trouble: session || running === 'running' ? '' : detail,
     session,
-    inputs: inputs.told,
+    inputs: inputs.reports,
     pictures,
     tasks,
   };

@@ -23,18 +23,18 @@ export class Findings {
   pictures: HeadsetPictures | null = null;
 }
 
-type Asked = 'step' | 'undo' | 'label';
+type RequestedAction = 'step' | 'undo' | 'label';
 
 /** Requested actions, with the values that they change from before the request. */
-const asked = new Map<Asked, unknown>();
-const CHANGES: Record<Asked, () => unknown> = {
+const requested = new Map<RequestedAction, unknown>();
+const CHANGES: Record<RequestedAction, () => unknown> = {
   step: () => peek(state.shown).frame,
   undo: () => peek(state.redo),
   label: () => peek(state.activeLabel),
 };
 
-function ask(what: Asked): void {
-  asked.set(what, CHANGES[what]());
+function ask(what: RequestedAction): void {
+  requested.set(what, CHANGES[what]());
 }
 
 /** Record requested actions from now on. */
@@ -75,7 +75,7 @@ export class Round {
     private readonly session: XRSession,
     private readonly findings: Findings,
   ) {
-    asked.clear();
+    requested.clear();
     const { strokes, viewer } = engine;
     const panel = new CheckPanel(cockpit, findings.inputs);
     cockpit.hang(panel);
@@ -105,7 +105,8 @@ export class Round {
 
   /** Tick requested actions that have taken effect. */
   private compare(): void {
-    const came = (what: Asked): boolean => asked.has(what) && asked.get(what) !== CHANGES[what]();
+    const came = (what: RequestedAction): boolean =>
+      requested.has(what) && requested.get(what) !== CHANGES[what]();
     if (came('step')) tick('step');
     if (came('undo') && peek(state.redo) !== null) tick('undo');
     // With a pad it is the pad that is tried.

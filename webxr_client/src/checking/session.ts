@@ -23,11 +23,11 @@ export async function describe(
 }
 
 async function spacesOf(session: XRSession): Promise<HeadsetSpace[]> {
-  const asked = SPACES.map(async (name) => {
+  const requests = SPACES.map(async (name) => {
     const space = session.requestReferenceSpace(name);
     return { name, given: await space.then(() => true, () => false) };
   }); // prettier-ignore
-  return Promise.all(asked);
+  return Promise.all(requests);
 }
 
 function layerOf(session: XRSession, xr: Viewer['renderer']['xr']): HeadsetLayer {

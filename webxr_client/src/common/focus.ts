@@ -6,12 +6,12 @@ let last: 'keys' | 'pointer' = 'pointer';
 let reached = false;
 
 if (typeof document !== 'undefined') {
-  const hear = (type: string, run: () => void): void => {
+  const listen = (type: string, run: () => void): void => {
     document.addEventListener(type, run, true);
   };
-  hear('keydown', () => (last = 'keys'));
-  hear('pointerdown', () => (last = 'pointer'));
-  hear('focusin', () => (reached = last === 'keys'));
+  listen('keydown', () => (last = 'keys'));
+  listen('pointerdown', () => (last = 'pointer'));
+  listen('focusin', () => (reached = last === 'keys'));
 }
 
 /** Whether the focus came to where it is by a key. */

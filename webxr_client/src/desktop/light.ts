@@ -9,7 +9,7 @@ import {
   Vector3,
 } from 'three';
 import { layers } from '../cloud/points/accumulation';
-import { pointAt, pointAway } from '../cameras/state';
+import { pointAt, clearPointed } from '../cameras/state';
 import { clipMatrix } from '../tools/clip';
 import { clipIn, placeIn } from '../cloud/points/layer';
 import { type Hit, inCapsule } from '../cloud/points/pick';
@@ -88,7 +88,7 @@ export class BrushLight {
 
   private hide(): void {
     this.putOut();
-    pointAway('cloud');
+    clearPointed('cloud');
     if (peek(state.hover)) state.hover.value = null;
   }
 }

@@ -1,5 +1,5 @@
 /** Shows the prediction of the frame on screen, and the place of the question. */
-import { askedPiece, type Runs } from '../cameras/state';
+import { questionPiece, type Runs } from '../cameras/state';
 import { ASKED } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { lowerBound } from '../cloud/points/piece';
@@ -51,7 +51,7 @@ export class Predicting {
       this.ask(),
     );
     watch([question], () => {
-      askedPiece.value = question.peek();
+      questionPiece.value = question.peek();
       this.showAgain();
     });
     watch([state.sequence], () => this.openedAnother());

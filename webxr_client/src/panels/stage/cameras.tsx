@@ -3,7 +3,7 @@ import { computed } from '@preact/signals';
 import { useEffect, useLayoutEffect, useMemo, useRef, useState } from 'preact/hooks';
 import { Lens } from '../../cameras/lens';
 import { placeOf, Projected, type ColourOf } from '../../cameras/projected';
-import { askedPiece, largeCamera, largeOpacity, outlines, pictures, pointAt, pointAway, pointed, projectedFrame, stripOpen } from '../../cameras/state'; // prettier-ignore
+import { questionPiece, largeCamera, largeOpacity, outlines, pictures, pointAt, clearPointed, pointed, projectedFrame, stripOpen } from '../../cameras/state'; // prettier-ignore
 import { aimAt } from '../../cameras/strip';
 import { apiUrl } from '../../net/rest';
 import type { Camera } from '../../protocol/values';
@@ -82,7 +82,7 @@ function Camera({ picture, source, large }: CameraProps) {
   const [raster] = useState(() => rasterOf(picture, large ? LARGE_RASTER : RASTER));
   const shown = projectedFrame.value;
   const colours = useColours();
-  const piece = askedPiece.value;
+  const piece = questionPiece.value;
   useEffect(() => {
     const pen = canvas.current?.getContext('2d');
     if (!pen || !lens || !shown) return;
@@ -103,7 +103,7 @@ function Camera({ picture, source, large }: CameraProps) {
   const hover = (event: MouseEvent): void => {
     const place = under(event);
     if (place) pointAt(place, 'picture');
-    else pointAway('picture');
+    else clearPointed('picture');
   };
   const click = (event: MouseEvent): void => {
     const place = under(event);
@@ -118,7 +118,7 @@ function Camera({ picture, source, large }: CameraProps) {
           width={raster.width}
           height={raster.height}
           onPointerMove={hover}
-          onPointerLeave={() => pointAway('picture')}
+          onPointerLeave={() => clearPointed('picture')}
           onClick={click}
         />
         {lens && <Outlines lens={lens} />}

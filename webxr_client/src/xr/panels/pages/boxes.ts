@@ -1,6 +1,6 @@
 /** Page of the palette for boxes of objects: fitting, copying, and editing by hand. */
 import {
-  bringHere,
+  copyToShownFrame,
   copyToFrame,
   fitBoxes,
   interpolate,
@@ -60,7 +60,7 @@ function buttons(box: ObjectBox | null): Entry[] {
     [{ icon: 'frames', text: 'Interpolate', disabled: !box }, () => void interpolate()],
     here || !box
       ? [{ icon: 'points', text: 'Points from box', disabled: !here }, () => void pointsFromBox(false)]
-      : [{ icon: 'pin', text: 'Copy here' }, () => void bringHere()],
+      : [{ icon: 'pin', text: 'Copy here' }, () => void copyToShownFrame()],
     [{ icon: 'swap', text: 'Turn round', disabled: !box }, () => void turnRound()],
   ]; // prettier-ignore
 }
