@@ -18,7 +18,7 @@ beforeEach(() => {
   projects.value = [];
 });
 
-const ASKED: readonly (readonly [query: string, what: string])[] = [
+const EXPECTED: readonly (readonly [query: string, what: string])[] = [
   ['rubber', 'Eraser'],
   ['remove label', 'Eraser'],
   ['bounding box', 'Boxes of objects'],
@@ -91,7 +91,7 @@ describe('the command palette', () => {
     state.palette.value = ['car', 'van'].map((name, id) => ({ ...label, id: id + 1, name }));
     state.activeLabel.value = 1;
     const first = (query: string): string | undefined => found(commandsNow(), query)[0]?.what;
-    const wrong = ASKED.filter(([query, what]) => first(query) !== what).map(([query, what]) => [
+    const wrong = EXPECTED.filter(([query, what]) => first(query) !== what).map(([query, what]) => [
       query,
       what,
       first(query),

@@ -120,8 +120,10 @@ export function found<T extends Omit<Command, 'run'>>(
   commands: readonly T[],
   query: string,
 ): readonly T[] {
-  const asked = query.toLowerCase().split(/\s+/).filter(Boolean);
-  const words = asked.filter((word) => asked.length === 1 || !SMALL.has(word)).map(singular);
+  const queryWords = query.toLowerCase().split(/\s+/).filter(Boolean);
+  const words = queryWords
+    .filter((word) => queryWords.length === 1 || !SMALL.has(word))
+    .map(singular);
   const rank = ({ what, group, shown, also = '' }: T): number => {
     const text = `${what} ${group} ${shown}`.toLowerCase();
     let sum = 0;

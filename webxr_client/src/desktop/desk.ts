@@ -12,7 +12,7 @@ import { seenIn } from '../tools/seen';
 import { addBookmark } from '../view/bookmarks';
 import { Clipping } from '../view/clipping';
 import { orthographic } from '../view/framing';
-import { Going } from '../view/going';
+import { LabelNavigation } from '../view/going';
 import { listenToKeys } from './keyboard';
 import { DeskPointer } from './pointer';
 import { DeskPresence } from './presence';
@@ -20,7 +20,7 @@ import { DeskPresence } from './presence';
 class Desk {
   private readonly pointer: DeskPointer;
   private readonly presence: DeskPresence;
-  private readonly going: Going;
+  private readonly navigation: LabelNavigation;
   private readonly clipping: Clipping;
   /** Frame on screen when the mouse last looked. */
   private seen: Shown | null = null;
@@ -43,7 +43,12 @@ class Desk {
       boxes,
     });
     this.presence = new DeskPresence(engine.link);
-    this.going = new Going({ viewer, camera, frame, seek: (index) => actions.time.seek(index) });
+    this.navigation = new LabelNavigation({
+      viewer,
+      camera,
+      frame,
+      seek: (index) => actions.time.seek(index),
+    });
     this.clipping = new Clipping({ viewer, camera, frame });
     watch([state.frame, state.sequence, state.tool, canEdit], () => this.pointer.interrupt());
     const { tool, brush, activeLabel, palette, solo, view } = state;
@@ -62,7 +67,7 @@ class Desk {
       this.pointer.refresh();
       viewer.invalidate();
     }
-    this.going.update();
+    this.navigation.update();
     this.clipping.update();
     orthographic.value = viewer.camera.orthographic;
     this.pointer.update();
@@ -71,7 +76,7 @@ class Desk {
 
   private bind(): void {
     const { camera, viewer, objects } = this.engine;
-    const { pointer, going, clipping } = this;
+    const { pointer, navigation, clipping } = this;
     bindActions({
       view: {
         toggleOrthographic: () => {
@@ -83,7 +88,7 @@ class Desk {
           if (frame !== state.frame.peek()) actions.time.seek(frame);
           camera.restore(view);
         },
-        goToObject: (label = state.activeLabel.peek(), frame) => going.goTo(label, frame),
+        goToObject: (label = state.activeLabel.peek(), frame) => navigation.goTo(label, frame),
         clipTo: (slab) => clipping.set(slab),
       },
       tools: {

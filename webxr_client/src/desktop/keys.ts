@@ -35,8 +35,8 @@ export interface KeyBinding {
 
 /** The lasso's key, pressed again, changes how the outline is drawn. */
 function chooseShape(shape: BrushShape): void {
-  const again = shape === 'lasso' && state.brush.peek().shape === shape;
-  if (again && isStroke(state.tool.peek())) nextOutlineKind();
+  const isChosen = shape === 'lasso' && state.brush.peek().shape === shape;
+  if (isChosen && isStroke(state.tool.peek())) nextOutlineKind();
   else actions.tools.setShape(shape);
 }
 

@@ -148,7 +148,7 @@ export class DeskPointer {
   }
 
   private tap(): void {
-    const label = state.tool.peek() === 'pick' ? this.aim.labelHere() : 0;
+    const label = state.tool.peek() === 'pick' ? this.aim.labelUnderCursor() : 0;
     if (label !== 0) actions.labels.selectLabel(label);
     if (state.tool.peek() === 'floor') void actions.view.pointAtFloor(this.aim.ray());
   }

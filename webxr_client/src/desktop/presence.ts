@@ -8,7 +8,7 @@ const PERIOD_MS = 100;
 
 export class DeskPresence {
   private last = 0;
-  private said = '';
+  private lastSent = '';
 
   constructor(private readonly link: Link) {}
 
@@ -20,9 +20,9 @@ export class DeskPresence {
     const label = peek(state.activeLabel);
     const radius = peek(state.brush).radius;
     const place = brush && brush.toArray();
-    const saying = JSON.stringify([frame, label, radius, place]);
-    if (saying === this.said) return;
-    this.said = saying;
+    const message = JSON.stringify([frame, label, radius, place]);
+    if (message === this.lastSent) return;
+    this.lastSent = message;
     this.link.send({ type: 'presence', frame, label, radius, brush: place, head: null, hands: [] });
   }
 }

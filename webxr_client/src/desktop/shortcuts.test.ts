@@ -14,7 +14,7 @@ function login(account: string): void {
   };
 }
 
-const said = (key: string): string | undefined => keyTable.value.get(key)?.what;
+const commandOf = (key: string): string | undefined => keyTable.value.get(key)?.what;
 
 beforeEach(() => {
   for (const author of ['ada', 'bob']) {
@@ -26,14 +26,14 @@ beforeEach(() => {
 
 describe('keys of one’s own', () => {
   it('are a person’s, and take a key away from what had it', () => {
-    expect(said('g')).toBe('Ground');
+    expect(commandOf('g')).toBe('Ground');
     setKey('Boxes: show or hide', 'g');
-    expect(said('g')).toBe('Boxes: show or hide');
+    expect(commandOf('g')).toBe('Boxes: show or hide');
     login('bob');
-    expect(said('g')).toBe('Ground');
+    expect(commandOf('g')).toBe('Ground');
     login('ada');
     setKey('Boxes: show or hide', null);
-    expect(said('g')).toBe('Ground');
+    expect(commandOf('g')).toBe('Ground');
   });
 
   it('are told wherever the key is', () => {
@@ -41,14 +41,14 @@ describe('keys of one’s own', () => {
     setKey('Undo', 'ctrl+shift+u');
     expect(commandsNow().find(({ what }) => what === 'Undo')?.shown).toBe('Ctrl Shift U');
     expect(renamedKeys.value.get('Ctrl Z')).toBe('Ctrl Shift U');
-    expect(said('ctrl+z')).toBeUndefined();
+    expect(commandOf('ctrl+z')).toBeUndefined();
     expect([' ', 'shift+arrowleft', 'ctrl++'].map(printed)).toEqual(['Space', 'Shift ←', 'Ctrl +']);
   });
 
   it('stay with a command whose words changed since they were stored', () => {
     takeKeys({ 'Ghost of the frame before: show or hide': 'f7', 'The box onto the ground': 'f8' });
-    expect(said('f7')).toBe('Ghost of the previous frame: show or hide');
-    expect(said('f8')).toBe('Snap the box to the ground');
+    expect(commandOf('f7')).toBe('Ghost of the previous frame: show or hide');
+    expect(commandOf('f8')).toBe('Snap the box to the ground');
   });
 
   it('are none that walk, or that dialogs need', () => {

@@ -92,9 +92,9 @@ export class VolumeHandles {
     let found: { edited: Edited; handle: Handle } | null = null;
     for (const one of edited(this.viewer.room.matrix)) {
       for (const handle of one.handles) {
-        const away = this.pixelsTo(placeOf(one.volume, handle));
-        if (away < best) {
-          best = away;
+        const distance = this.pixelsTo(placeOf(one.volume, handle));
+        if (distance < best) {
+          best = distance;
           found = { edited: one, handle };
         }
       }

@@ -1,6 +1,6 @@
 /** Shows the prediction of the frame on screen, and the place of the question. */
 import { questionPiece, type Runs } from '../cameras/state';
-import { ASKED } from '../cloud/picture/palette';
+import { QUESTION_ID } from '../cloud/picture/palette';
 import type { CloudFrame } from '../cloud/points/frame';
 import { lowerBound } from '../cloud/points/piece';
 import { looked } from '../engine/labels/colouring';
@@ -144,10 +144,10 @@ export class Predicting {
   }
 }
 
-/** Write `ASKED` for points by their runs; `numbers`: the points of `ids`, null: all. */
+/** Write `QUESTION_ID` for points by their runs; `numbers`: the points of `ids`, null: all. */
 function mark(runs: Runs, numbers: Uint32Array | null, ids: Uint16Array): void {
   for (const [first, length] of runs) {
     const from = numbers ? lowerBound(numbers, first) : first;
-    ids.fill(ASKED, from, numbers ? lowerBound(numbers, first + length) : first + length);
+    ids.fill(QUESTION_ID, from, numbers ? lowerBound(numbers, first + length) : first + length);
   }
 }

@@ -3,7 +3,7 @@ import { expect, it } from 'vitest';
 import { PointUniforms } from '../cloud/picture/material';
 import { frameOf, wall } from '../cloud/points/testing';
 import { state } from '../store/state';
-import { Ghost, haunts } from './ghost';
+import { Ghost, isGhostAllowed } from './ghost';
 
 it('is grey and sparse, so that nobody takes it for labelled points', () => {
   const frame = frameOf(wall(100, 1000));
@@ -21,9 +21,9 @@ it('is grey and sparse, so that nobody takes it for labelled points', () => {
 
 it('is not there where labels are judged', () => {
   const view = { ghost: true, color: 'rgb' } as const;
-  expect(haunts(view, false, false)).toBe(true);
-  expect(haunts(view, true, false)).toBe(false);
-  expect(haunts(view, false, true)).toBe(false);
+  expect(isGhostAllowed(view, false, false)).toBe(true);
+  expect(isGhostAllowed(view, true, false)).toBe(false);
+  expect(isGhostAllowed(view, false, true)).toBe(false);
   for (const color of ['label', 'confidence', 'provenance'] as const)
-    expect(haunts({ ...view, color }, false, false)).toBe(false);
+    expect(isGhostAllowed({ ...view, color }, false, false)).toBe(false);
 });

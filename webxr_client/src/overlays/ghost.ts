@@ -21,7 +21,7 @@ const OPACITY = 0.6;
 const JUDGING: readonly ColorMode[] = ['label', 'confidence', 'provenance'];
 
 /** Return whether a ghost may be drawn: while time stands, except when labels are judged. */
-export function haunts(
+export function isGhostAllowed(
   { ghost, color }: Pick<ViewSettings, 'ghost' | 'color'>,
   playing: boolean,
   doubtful: boolean,

@@ -7,7 +7,7 @@ import { peek, watch } from '../store/watch';
 import { state } from '../store/state';
 import { boxedLabels } from '../store/boxes';
 import { Boxes } from './boxes';
-import { Ghost, haunts } from './ghost';
+import { Ghost, isGhostAllowed } from './ghost';
 import { Summaries, type Summary } from './summary';
 import { PLACES, REACH, Trails } from './trails';
 
@@ -59,8 +59,8 @@ export class Overlays {
     if (boxes || trails) this.look(frame, trails, now);
     const news = this.dirty || this.seen !== this.summaries.version;
     if (news || frame !== this.boxed) this.box(frame, boxes);
-    if (news || moved) this.trail(info.frames, trails);
-    this.haunt(haunts(view, peek(state.playing), peek(unsure).length > 0));
+    if (news || moved) this.updateTrails(info.frames, trails);
+    this.updateGhost(isGhostAllowed(view, peek(state.playing), peek(unsure).length > 0));
     this.seen = this.summaries.version;
     this.dirty = false;
   }
@@ -104,7 +104,7 @@ export class Overlays {
     return frame ? this.summaries.peek(frame) : null;
   };
 
-  private trail(frames: number, on: boolean): void {
+  private updateTrails(frames: number, on: boolean): void {
     const { trails, summaryOf } = this;
     if (on) trails.show(this.head, frames, peek(state.palette), summaryOf, peek(clipInRoom));
     else trails.hide();
@@ -112,7 +112,7 @@ export class Overlays {
   }
 
   /** The frame that one has just come from. */
-  private haunt(on: boolean): void {
+  private updateGhost(on: boolean): void {
     const frame = on ? (this.engine.playback.store.get(this.head - this.direction) ?? null) : null;
     const version = frame?.version ?? -1;
     if (!this.dirty && frame === this.ghostOf && version === this.ghostVersion) return;

@@ -84,7 +84,7 @@ export class Aim {
   }
 
   /** The label under the cursor, 0 where there is none. */
-  labelHere(): number {
+  labelUnderCursor(): number {
     const hit = this.hit(0.03);
     const label = hit?.frame.labelOf(hit.point) ?? 0;
     return label === DELETED ? 0 : label;

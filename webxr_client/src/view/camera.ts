@@ -158,7 +158,7 @@ export class DeskCamera {
     this.land();
     const { camera, pivot } = this;
     const half = camera.orthographic ? 0 : camera.halfHeightOf(Math.max(0.1, this.depthOf(pivot)));
-    if (half === 0) this.comeNear();
+    if (half === 0) this.approachPivot();
     camera.setHalfHeight(half);
     if (half > 0) this.backOff();
   }
@@ -166,7 +166,7 @@ export class DeskCamera {
   private flyTo(eye: Vector3, target: Vector3, half: number, jump: boolean): void {
     const { camera, to } = this;
     if (camera.orthographic && half === 0) {
-      this.comeNear();
+      this.approachPivot();
       camera.setHalfHeight(0);
     }
     Object.assign(this.from, this.now());
@@ -198,7 +198,7 @@ export class DeskCamera {
   }
 
   /** To where a picture in perspective shows the pivot as large as it is now. */
-  private comeNear(): void {
+  private approachPivot(): void {
     const { camera } = this;
     const near = camera.distanceOf(camera.halfHeight);
     const ahead = this.depthOf(this.pivot) - near;

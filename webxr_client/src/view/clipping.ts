@@ -3,7 +3,7 @@ import { Vector3 } from 'three';
 import { clip, clipMatrix, centerClip, type Clip } from '../tools/clip';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
-import { whereIs } from '../cloud/points/whereabouts';
+import { placeOfLabel } from '../cloud/points/whereabouts';
 import type { DeskCamera } from './camera';
 import { state } from '../store/state';
 import { follow, watch } from '../store/watch';
@@ -47,7 +47,7 @@ export class Clipping {
 
   private get object(): { middle: Vector3; radius: number } | null {
     const frame = this.deps.frame();
-    const place = frame && whereIs(frame, state.activeLabel.peek());
+    const place = frame && placeOfLabel(frame, state.activeLabel.peek());
     return place && { ...place, middle: place.middle.applyMatrix4(this.deps.viewer.room.matrix) };
   }
 

@@ -3,17 +3,17 @@ import { expect, it } from 'vitest';
 import type { CloudFrame } from '../cloud/points/frame';
 import { Lens } from '../cloud/picture/lens';
 import { frameOf, wall } from '../cloud/points/testing';
-import { whereIs } from '../cloud/points/whereabouts';
+import { placeOfLabel } from '../cloud/points/whereabouts';
 import { addBookmark, bookmarks, openBookmarks, removeBookmark, renameBookmark } from './bookmarks';
 import { DeskCamera } from './camera';
 import { state } from '../store/state';
-import { followsObject, Going, nearestWith } from './going';
+import { followsObject, LabelNavigation, nearestWith } from './going';
 
 it('finds where a label is, as shown', () => {
   const frame = frameOf(wall(20, 1000));
-  expect(whereIs(frame, 3)).toBeNull();
+  expect(placeOfLabel(frame, 3)).toBeNull();
   frame.setOverlay('stroke', { indices: Uint32Array.of(0, 1, 2), values: Uint16Array.of(3) });
-  const place = whereIs(frame, 3)!;
+  const place = placeOfLabel(frame, 3)!;
   expect(place.points).toBe(3);
   expect(place.middle.distanceTo(new Vector3(0.01, 0, 1))).toBeLessThan(1e-5);
   expect(place.radius).toBeGreaterThan(0.005);
@@ -42,7 +42,7 @@ it('goes along with the active label from frame to frame', () => {
   const room = new Group();
   room.position.set(0, 1, 0);
   room.updateMatrixWorld();
-  const going = new Going({
+  const navigation = new LabelNavigation({
     viewer: { room, invalidate: () => undefined },
     camera,
     frame: () => frame,
@@ -52,16 +52,16 @@ it('goes along with the active label from frame to frame', () => {
   const show = (shown: CloudFrame | null): Vector3 => {
     const before = eye();
     frame = shown;
-    going.update();
+    navigation.update();
     return eye().sub(before);
   };
   state.activeLabel.value = 3;
   const still = eye();
-  going.update();
+  navigation.update();
   expect(eye().equals(still)).toBe(true);
 
   followsObject.value = true;
-  going.update();
+  navigation.update();
   expect(camera.pivot.distanceTo(new Vector3(1, 1.5, 2))).toBeLessThan(1e-5);
   expect(show(withLabel(3, 1200, 600, 1900)).distanceTo(new Vector3(0.2, 0.1, -0.1))).toBeLessThan(1e-5); // prettier-ignore
   // Lost for a frame: the camera waits, and catches up in the next that has it.

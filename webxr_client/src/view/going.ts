@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { Vector3 } from 'three';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
-import { whereIs, type Whereabouts } from '../cloud/points/whereabouts';
+import { placeOfLabel, type LabelPlace } from '../cloud/points/whereabouts';
 import type { DeskCamera } from './camera';
 import { notify, state, type TimelineRow } from '../store/state';
 
@@ -15,7 +15,7 @@ const SHARE = 0.35;
 /** The least radius of a target, metres. */
 const SMALLEST = 0.05;
 
-export interface GoingDeps {
+export interface LabelNavigationDeps {
   readonly viewer: Pick<Viewer, 'room' | 'invalidate'>;
   readonly camera: DeskCamera;
   /** The frame on screen. */
@@ -23,7 +23,7 @@ export interface GoingDeps {
   readonly seek: (frame: number) => void;
 }
 
-export class Going {
+export class LabelNavigation {
   /** A label to go to once the frame that it is in has come. */
   private wanted: { readonly label: number; readonly frame: number } | null = null;
   /** Place of the followed label when it was last seen. */
@@ -31,7 +31,7 @@ export class Going {
   private seen: CloudFrame | null = null;
   private readonly last = new Vector3();
 
-  constructor(private readonly deps: GoingDeps) {}
+  constructor(private readonly deps: LabelNavigationDeps) {}
 
   /** Fly to a label once `frame` is on screen, without it in this one, or the nearest that has it. */
   goTo(label: number, at?: number): void {
@@ -43,9 +43,9 @@ export class Going {
       return;
     }
     const frame = this.deps.frame();
-    const here = frame && whereIs(frame, label);
-    if (here) {
-      this.fly(here);
+    const place = frame && placeOfLabel(frame, label);
+    if (place) {
+      this.fly(place);
       return;
     }
     const nearest = nearestWith(state.timeline.peek().rows.get(label), state.frame.peek());
@@ -67,7 +67,7 @@ export class Going {
     const frame = this.deps.frame();
     if (!frame) return;
     if (this.wanted?.frame === frame.index && frame.loaded > 0) {
-      const place = whereIs(frame, this.wanted.label);
+      const place = placeOfLabel(frame, this.wanted.label);
       // There is nothing to go to in frames in which it is lost.
       if (place || frame.complete) this.wanted = null;
       if (place) this.fly(place);
@@ -79,7 +79,7 @@ export class Going {
   private follow(frame: CloudFrame): void {
     const label = state.activeLabel.peek();
     if (frame === this.seen && label === this.label) return;
-    const place = whereIs(frame, label);
+    const place = placeOfLabel(frame, label);
     const other = this.seen === null || label !== this.label;
     this.seen = frame;
     this.label = label;
@@ -92,7 +92,7 @@ export class Going {
     viewer.invalidate();
   }
 
-  private fly({ middle, radius }: Whereabouts): void {
+  private fly({ middle, radius }: LabelPlace): void {
     const { viewer, camera } = this.deps;
     camera.approach(middle.applyMatrix4(viewer.room.matrixWorld), Math.max(SMALLEST, radius) / SHARE); // prettier-ignore
     viewer.invalidate();
@@ -102,8 +102,9 @@ export class Going {
 /** The frame nearest to `from` with points of a label; null without any. */
 export function nearestWith(row: TimelineRow | undefined, from: number): number | null {
   if (!row) return null;
-  for (let away = 0; away < row.points.length; away++) {
-    for (const frame of [from - away, from + away]) if ((row.points[frame] ?? 0) > 0) return frame;
+  for (let distance = 0; distance < row.points.length; distance++) {
+    for (const frame of [from - distance, from + distance])
+      if ((row.points[frame] ?? 0) > 0) return frame;
   }
   return null;
 }

@@ -11,18 +11,18 @@ export class Afterwards {
   readonly ms = new Timing();
   /** Whether times are taken. */
   measuring = false;
-  private asked = false;
+  private isScheduled = false;
 
   /** Run everything soon after this picture. */
   ask(): void {
-    if (this.asked) return;
-    this.asked = true;
+    if (this.isScheduled) return;
+    this.isScheduled = true;
     setTimeout(this.run);
   }
 
   private readonly run = (): void => {
     const started = this.measuring ? performance.now() : 0;
-    this.asked = false;
+    this.isScheduled = false;
     this.runs.run();
     if (this.measuring) this.ms.add(performance.now() - started);
   };

@@ -10,9 +10,9 @@ function eye(): PerspectiveCamera {
   return camera;
 }
 
-/** Depth that the GPU computes, in its 32-bit floats, for a point `away` metres ahead. */
-function depth(camera: PerspectiveCamera, away: number): number {
-  const at = new Vector4(0, 0, -away, 1).applyMatrix4(camera.projectionMatrix);
+/** Depth that the GPU computes, in its 32-bit floats, for a point `distance` metres ahead. */
+function depth(camera: PerspectiveCamera, distance: number): number {
+  const at = new Vector4(0, 0, -distance, 1).applyMatrix4(camera.projectionMatrix);
   return Math.fround(Math.fround(at.z) / Math.fround(at.w));
 }
 
@@ -33,13 +33,14 @@ describe('depth in the headset', () => {
   });
 
   it('is the same from a session that took the swapped planes', () => {
-    const told = new PerspectiveCamera(90, 1);
-    setPlanes(told, STREET, true);
-    told.updateProjectionMatrix();
-    const untold = eye();
-    for (const { projectionMatrix } of [told, untold]) reverseDepth(projectionMatrix);
-    for (const away of [NEAR, 1, 30, 400, farFor(STREET)]) {
-      expect(depth(told, away)).toBeCloseTo(depth(untold, away), 6);
+    const withSwappedPlanes = new PerspectiveCamera(90, 1);
+    setPlanes(withSwappedPlanes, STREET, true);
+    withSwappedPlanes.updateProjectionMatrix();
+    const unswapped = eye();
+    for (const { projectionMatrix } of [withSwappedPlanes, unswapped])
+      reverseDepth(projectionMatrix);
+    for (const distance of [NEAR, 1, 30, 400, farFor(STREET)]) {
+      expect(depth(withSwappedPlanes, distance)).toBeCloseTo(depth(unswapped, distance), 6);
     }
   });
 
@@ -54,10 +55,10 @@ describe('depth in the headset', () => {
   it('tells apart at the end of a street what the usual depth cannot', () => {
     const [usual, reversed] = [eye(), eye()];
     reverseDepth(reversed.projectionMatrix);
-    const told = (camera: PerspectiveCamera): number =>
+    const distinctDepths = (camera: PerspectiveCamera): number =>
       new Set(Array.from({ length: 100 }, (_, cm) => depth(camera, 400 + cm / 100))).size;
-    expect(told(usual)).toBeLessThan(20);
-    expect(told(reversed)).toBe(100);
+    expect(distinctDepths(usual)).toBeLessThan(20);
+    expect(distinctDepths(reversed)).toBe(100);
   });
 
   it('leaves where things are in the picture as the session says', () => {

@@ -133,10 +133,10 @@ export class LargeCloud {
 
   /** Make the pages hold exactly the frame's chunks. */
   update(frame: CloudFrame): void {
-    const here = new Set(frame.pieces);
+    const pieces = new Set(frame.pieces);
     const { normals } = this.uniforms;
     for (const page of this.pages) {
-      if (page.piece && (!here.has(page.piece) || page.normals !== normals)) page.clear();
+      if (page.piece && (!pieces.has(page.piece) || page.normals !== normals)) page.clear();
     }
     const shown = new Set(this.pages.map((page) => page.piece));
     for (const piece of frame.pieces) {

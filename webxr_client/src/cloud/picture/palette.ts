@@ -10,7 +10,7 @@ export const PREDICTED = 65024;
 export const MOST_CLASSES = 64;
 export const SURE_STEPS = 4;
 /** Points of a place that is asked about: in their own colours, and in the headset they pulse. */
-export const ASKED = 65344;
+export const QUESTION_ID = 65344;
 /** The first of the ids for labels of a copy, and for differences of two copies. */
 export const OTHERS = 65345;
 export const MOST_OTHERS = 128;
@@ -36,7 +36,7 @@ export class PaletteTexture {
     this.texture.magFilter = NearestFilter;
     this.texture.generateMipmaps = false;
     for (let id = PREDICTED; id < SIDE * SIDE; id++) this.data[4 * id + 3] = FLAG_VISIBLE;
-    this.data.set([255, 255, 255, FLAG_VISIBLE | FLAG_PREDICTED | FLAG_UNSURE], ASKED * 4);
+    this.data.set([255, 255, 255, FLAG_VISIBLE | FLAG_PREDICTED | FLAG_UNSURE], QUESTION_ID * 4);
     this.set([], null, []);
   }
 

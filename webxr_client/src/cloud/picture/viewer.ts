@@ -66,7 +66,7 @@ export class Viewer {
   /** The recording's diagonal, metres. */
   private extent = 0;
   private outlined = false;
-  private asking = false;
+  private questionShown = false;
   private dirty = true;
   private limit = ALL_POINTS;
   private measuring = false;
@@ -217,9 +217,9 @@ export class Viewer {
     if (shown) this.cloud?.update(shown);
   }
 
-  /** Choose the colours of points; `asking`: points of a question have an edge. */
-  setMapping(mapping: Mapping, asking: boolean): void {
-    this.asking = asking;
+  /** Choose the colours of points; `questionShown`: points of a question have an edge. */
+  setMapping(mapping: Mapping, questionShown: boolean): void {
+    this.questionShown = questionShown;
     this.uniforms.mapping = mapping;
     this.eyeDome.setFlat(mapping === 'classes');
     this.invalidate();
@@ -377,7 +377,7 @@ export class Viewer {
     this.chooseSurface(camera);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    const outlined = this.outlined || this.asking;
+    const outlined = this.outlined || this.questionShown;
     const aside = (eyeDome.shades || outlined) && this.shown !== null;
     this.uniforms.setOutlining(aside && outlined);
     if (aside) {

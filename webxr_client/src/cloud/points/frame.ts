@@ -34,8 +34,8 @@ export class CloudFrame {
   predicted: Predicted | null = null;
   private readonly buffers = new Set<ArrayBuffer>();
   /** Last answer of `shown`, and the versions then. */
-  private said: Shown | null = null;
-  private saidVersion = -1;
+  private lastShown: Shown | null = null;
+  private lastShownVersion = -1;
   /** Label values that came before their points. */
   private early: LabelUpdate[] = [];
 
@@ -164,11 +164,11 @@ export class CloudFrame {
   /** Description while it is on screen; another object after each change, and only then. */
   get shown(): Shown {
     const { index, loaded, total, version } = this;
-    if (!this.said || this.saidVersion !== version) {
-      this.said = { frame: index, points: loaded, total };
-      this.saidVersion = version;
+    if (!this.lastShown || this.lastShownVersion !== version) {
+      this.lastShown = { frame: index, points: loaded, total };
+      this.lastShownVersion = version;
     }
-    return this.said;
+    return this.lastShown;
   }
 
   /** Another number after each change of points or labels. */

@@ -2,7 +2,7 @@
 import { Vector3 } from 'three';
 import type { CloudFrame } from './frame';
 
-export interface Whereabouts {
+export interface LabelPlace {
   /** Mean of the points, local coordinates. */
   readonly middle: Vector3;
   /** Of a ball round the middle that holds all but strays, metres. */
@@ -15,7 +15,7 @@ const REACH = 1.7;
 let labels = new Uint16Array(0);
 
 /** Null where the frame has no point of the label, as shown. */
-export function whereIs(frame: CloudFrame, label: number): Whereabouts | null {
+export function placeOfLabel(frame: CloudFrame, label: number): LabelPlace | null {
   // Chunks of large frames arrive in any order: numbers may exceed the count of loaded points.
   if (labels.length < frame.total) labels = new Uint16Array(frame.total);
   frame.gatherLabels(labels, frame.total);

@@ -6,7 +6,7 @@ import { Placement, type PointUniforms } from '../material';
 import type { Slot } from './slot';
 import { slotFor } from './slots';
 
-interface Laid {
+interface PlacedSlot {
   readonly slot: Slot;
   readonly placement: Placement;
   placed: PlacedFrame;
@@ -15,7 +15,7 @@ interface Laid {
 }
 
 export class PlacedFrames {
-  private readonly laid = new Map<CloudFrame, Laid>();
+  private readonly placedSlots = new Map<CloudFrame, PlacedSlot>();
   private limit = ALL_POINTS;
 
   /** In a layer of the camera. */
@@ -30,11 +30,11 @@ export class PlacedFrames {
   show(frames: readonly PlacedFrame[]): boolean {
     const wanted = new Set(frames.map(({ frame }) => frame));
     let changed = false;
-    for (const [frame, { slot, placement }] of this.laid) {
+    for (const [frame, { slot, placement }] of this.placedSlots) {
       if (wanted.has(frame)) continue;
       slot.dispose();
       placement.dispose();
-      this.laid.delete(frame);
+      this.placedSlots.delete(frame);
       changed = true;
     }
     for (const placed of frames) changed = this.lay(placed) || changed;
@@ -45,23 +45,27 @@ export class PlacedFrames {
   private lay(placed: PlacedFrame): boolean {
     const { frame } = placed;
     const { normals } = this.uniforms;
-    let laid = this.laid.get(frame);
-    if (!laid) {
+    let placedSlot = this.placedSlots.get(frame);
+    if (!placedSlot) {
       const placement = new Placement();
       const points = Math.max(1, frame.total);
       const slot = slotFor(frame, this.renderer, points, this.uniforms, placement);
       slot.object.traverse((part) => part.layers.set(this.layer));
       this.room.add(slot.object);
-      laid = { slot, placement, placed, version: -1, normals };
-      laid.placement.set(placed);
-      this.laid.set(frame, laid);
-    } else if (laid.placed === placed && laid.version === frame.version && laid.normals === normals)
+      placedSlot = { slot, placement, placed, version: -1, normals };
+      placedSlot.placement.set(placed);
+      this.placedSlots.set(frame, placedSlot);
+    } else if (
+      placedSlot.placed === placed &&
+      placedSlot.version === frame.version &&
+      placedSlot.normals === normals
+    )
       return false;
-    if (laid.placed !== placed) laid.placement.set(placed);
-    laid.placed = placed;
-    laid.version = frame.version;
-    laid.normals = normals;
-    laid.slot.upload(frame);
+    if (placedSlot.placed !== placed) placedSlot.placement.set(placed);
+    placedSlot.placed = placed;
+    placedSlot.version = frame.version;
+    placedSlot.normals = normals;
+    placedSlot.slot.upload(frame);
     return true;
   }
 
@@ -72,14 +76,14 @@ export class PlacedFrames {
   }
 
   private share(): void {
-    const each = Math.max(1, Math.floor(this.limit / Math.max(1, this.laid.size)));
-    for (const { slot } of this.laid.values())
+    const each = Math.max(1, Math.floor(this.limit / Math.max(1, this.placedSlots.size)));
+    for (const { slot } of this.placedSlots.values())
       slot.setLimit(this.limit === ALL_POINTS ? ALL_POINTS : each);
   }
 
   /** Points on screen. */
   get drawn(): number {
-    return [...this.laid.values()].reduce((sum, { slot }) => sum + slot.drawn, 0);
+    return [...this.placedSlots.values()].reduce((sum, { slot }) => sum + slot.drawn, 0);
   }
 
   dispose(): void {
