@@ -146,7 +146,7 @@ const MORE: readonly KeyBinding[] = [
   key('z', 'Z', 'Work', 'Next suspicious place', () => stepFindings(1)),
   key('shift+z', 'Shift Z', 'Work', 'Previous suspicious place', () => stepFindings(-1)),
   key('shift+y', 'Shift Y', 'Work', 'Confirm the doubtful labels of this frame', () => {
-    if (canReview.peek()) void actions.tracking.acceptHere();
+    if (canReview.peek()) void actions.tracking.acceptFrame();
   }),
   key('ctrl+enter', 'Ctrl Enter', 'Work', 'Mark this frame as checked', () =>
     judgeHere('accepted'),

@@ -25,11 +25,11 @@ export function wanted(
   const frames: number[] = [];
   let points = info.points[frame] ?? 0;
   let left = 0;
-  for (let away = 1; away <= Math.max(before, after); away++) {
-    for (const other of [frame + away, frame - away]) {
-      const asked = other > frame ? away <= after : away <= before;
+  for (let distance = 1; distance <= Math.max(before, after); distance++) {
+    for (const other of [frame + distance, frame - distance]) {
+      const isInRange = other > frame ? distance <= after : distance <= before;
       const count = info.points[other] ?? 0;
-      if (!asked || count === 0) continue;
+      if (!isInRange || count === 0) continue;
       points += count;
       if (points <= MOST_POINTS) frames.push(other);
       else left += 1;
@@ -52,7 +52,7 @@ export class Accumulated {
   /** Placements of frames over frame `over`, by their numbers. */
   private placements = new Map<number, Omit<PlacedFrame, 'frame'>>();
   private over = -1;
-  private asked = 0;
+  private newestRequest = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -63,7 +63,7 @@ export class Accumulated {
     watch([accumulation], () => playback.lookAround());
     watch([accumulation, state.frame, state.playing, state.sequence], () => this.forget());
     // New or undone tracks change the placements of tracked objects.
-    watch([state.timeline], () => this.askSoon());
+    watch([state.timeline], () => this.scheduleRequest());
   }
 
   private get on(): boolean {
@@ -82,13 +82,13 @@ export class Accumulated {
   }
 
   private forget(): void {
-    this.asked += 1;
+    this.newestRequest += 1;
     this.placements = new Map();
     if (!this.on) leftOut.value = 0;
-    this.askSoon();
+    this.scheduleRequest();
   }
 
-  private askSoon(): void {
+  private scheduleRequest(): void {
     clearTimeout(this.timer);
     if (this.on) this.timer = setTimeout(() => void this.ask(), REST_MS);
   }
@@ -96,7 +96,7 @@ export class Accumulated {
   private async ask(): Promise<void> {
     const info = peek(state.sequence);
     if (!info || !this.on) return;
-    const asked = ++this.asked;
+    const request = ++this.newestRequest;
     const over = peek(state.frame);
     const { before, after } = peek(accumulation);
     const most = (frames: number): number => Math.min(MOST_AROUND, frames);
@@ -104,12 +104,12 @@ export class Accumulated {
     const path = `sequences/${info.id}/frames/${over}/placements?${query}`;
     try {
       const found = await api<Placement[]>('GET', path);
-      if (asked !== this.asked) return;
+      if (request !== this.newestRequest) return;
       this.placements = new Map(found.map((entry) => [entry.frame, placed(entry, info.shift)]));
       this.over = over;
       this.viewer.invalidate();
     } catch (error) {
-      if (asked !== this.asked || !(error instanceof ApiError)) return;
+      if (request !== this.newestRequest || !(error instanceof ApiError)) return;
       accumulation.value = { ...peek(accumulation), on: false };
       notify('error', 'The frames cannot be overlaid', error.message);
     }
@@ -119,9 +119,9 @@ export class Accumulated {
   update(): void {
     const before = peek(placedFrames);
     const shown = this.playback.frame?.index ?? -1;
-    const there = this.on && shown === this.over && shown === peek(state.frame);
-    if (!there && before.length === 0) return;
-    const frames = there ? this.loaded(shown, before) : [];
+    const isShown = this.on && shown === this.over && shown === peek(state.frame);
+    if (!isShown && before.length === 0) return;
+    const frames = isShown ? this.loaded(shown, before) : [];
     const same = frames.length === before.length && frames.every((one, i) => one === before[i]);
     if (!same) placedFrames.value = frames;
     if (this.viewer.lay(frames)) this.viewer.invalidate();

@@ -28,7 +28,7 @@ export class Detail {
   private next = 0;
   /** Last requested chunks, the time of the request, and the state of the frame then. */
   private asked = new Set<number>();
-  private askedAt = 0;
+  private requestedAt = 0;
   private version = -1;
   private readonly matrix = new Matrix4();
   private readonly view: View & { pixels: number } = {
@@ -86,10 +86,10 @@ export class Detail {
     const order = chosen.join();
     if (order !== this.order) this.viewer.setOrder(chosen, this.parents);
     this.order = order;
-    const here = new Set(cloud.pieces.map((piece) => piece.index));
-    const missing = chosen.filter((index) => !here.has(index)).slice(0, LONGEST);
+    const loaded = new Set(cloud.pieces.map((piece) => piece.index));
+    const missing = chosen.filter((index) => !loaded.has(index)).slice(0, LONGEST);
     this.drop(cloud, new Set(chosen), missing, SLACK * budget);
-    this.ask(cloud, new Set(chosen), here, missing, now);
+    this.ask(cloud, new Set(chosen), loaded, missing, now);
   }
 
   /** Compute the camera's position in the frame's coordinates, at the desk or in the headset. */
@@ -133,18 +133,18 @@ export class Detail {
   private ask(
     cloud: CloudFrame,
     keep: Set<number>,
-    here: Set<number>,
+    loaded: Set<number>,
     missing: number[],
     now: number,
   ): void {
-    if (cloud.pointsVersion !== this.version) this.askedAt = now;
+    if (cloud.pointsVersion !== this.version) this.requestedAt = now;
     this.version = cloud.pointsVersion;
     const fresh = missing.some((index) => !this.asked.has(index));
-    const withdrawn = [...this.asked].some((index) => !keep.has(index) && !here.has(index));
-    const overdue = missing.length > 0 && now - this.askedAt > PATIENCE_MS;
+    const withdrawn = [...this.asked].some((index) => !keep.has(index) && !loaded.has(index));
+    const overdue = missing.length > 0 && now - this.requestedAt > PATIENCE_MS;
     if (!fresh && !withdrawn && !overdue) return;
     this.asked = new Set(missing);
-    this.askedAt = now;
+    this.requestedAt = now;
     this.link.send({ type: 'want', frame: cloud.index, chunks: missing });
   }
 }

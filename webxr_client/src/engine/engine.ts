@@ -41,7 +41,7 @@ import { paletteActions } from './labels/palette-files';
 import { Playback } from './playback';
 import { importActions } from './recordings/importing';
 import { recordingActions } from './recordings/recordings';
-import { forgetRun, reviewActions, runAsked, stretchActions, unsure } from './review';
+import { forgetRun, reviewActions, startRun, stretchActions, unsure } from './review';
 import { showTravel, timeActions } from './time';
 
 const openedId = computed(() => state.sequence.value?.id ?? null);
@@ -141,9 +141,9 @@ export class Engine {
     void opening.then((id) => {
       if (state.sequence.peek() === null) state.opening.value = id;
     });
-    const heard = new Listeners<FromWorker>();
-    heard.add((message) => inbox.receive(message));
-    link.listen((message) => heard.run(message));
+    const messageListeners = new Listeners<FromWorker>();
+    messageListeners.add((message) => inbox.receive(message));
+    link.listen((message) => messageListeners.run(message));
   }
 
   start(): void {
@@ -305,7 +305,7 @@ export class Engine {
 
   private track(request: TrackRequest): void {
     this.playback.pause();
-    runAsked(request);
+    startRun(request);
     this.link.send({ type: 'track', id: crypto.randomUUID(), ...request });
   }
 

@@ -2,19 +2,19 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import type { Job, StrokeResult, Track } from '../protocol/messages';
 import { Following } from './following';
 
-let asked: Track[];
+let requests: Track[];
 let cancelled: string[];
 let busy: boolean;
 let timers: (() => void)[];
 let following: Following;
 
 beforeEach(() => {
-  asked = [];
+  requests = [];
   cancelled = [];
   busy = false;
   timers = [];
   following = new Following({
-    send: (message) => void asked.push(message),
+    send: (message) => void requests.push(message),
     cancel: (job) => void cancelled.push(job),
     on: () => true,
     busy: () => busy,
@@ -31,15 +31,15 @@ const paint = (stroke: string, label: number, frame = 3): void => {
   following.begin(stroke, { tool: 'paint', label });
   following.result({ id: stroke, frame, final: true, changed: 5 } as StrokeResult);
 };
-const job = (state: Job['state'], edit = asked.at(-1)!.id): void =>
+const job = (state: Job['state'], edit = requests.at(-1)!.id): void =>
   following.job({ id: `job-${edit}`, edit, state, kind: 'tracking' } as Job);
 
 describe('following', () => {
   it('carries a label on to its next painted frame, once its stroke has settled', () => {
     paint('a', 2);
-    expect(asked).toHaveLength(0);
+    expect(requests).toHaveLength(0);
     wait();
-    expect(asked[0]).toMatchObject({ labels: [2], start: 3, stop: 9, until_painted: true });
+    expect(requests[0]).toMatchObject({ labels: [2], start: 3, stop: 9, until_painted: true });
   });
 
   it('yields to strokes and jobs, and does one label at a time', () => {
@@ -47,14 +47,14 @@ describe('following', () => {
     paint('b', 3);
     busy = true;
     wait();
-    expect(asked).toHaveLength(0);
+    expect(requests).toHaveLength(0);
     busy = false;
     wait();
     wait();
-    expect(asked.map((track) => track.labels)).toEqual([[2]]);
+    expect(requests.map((track) => track.labels)).toEqual([[2]]);
     job('done');
     wait();
-    expect(asked.map((track) => track.labels)).toEqual([[2], [3]]);
+    expect(requests.map((track) => track.labels)).toEqual([[2], [3]]);
   });
 
   it('is stopped by the next stroke on the label, also before its job is known', () => {
@@ -62,12 +62,12 @@ describe('following', () => {
     wait();
     job('running');
     following.begin('b', { tool: 'paint', label: 2 });
-    expect(cancelled).toEqual([`job-${asked[0]!.id}`]);
+    expect(cancelled).toEqual([`job-${requests[0]!.id}`]);
     following.result({ id: 'b', frame: 3, final: true, changed: 1 } as StrokeResult);
     wait();
     following.begin('c', { tool: 'paint', label: 2 });
     job('queued');
-    expect(cancelled).toEqual(asked.map((track) => `job-${track.id}`));
+    expect(cancelled).toEqual(requests.map((track) => `job-${track.id}`));
   });
 
   it('goes with its stroke in one undo, until something else is painted', () => {
@@ -90,6 +90,6 @@ describe('following', () => {
     following.begin('c', { tool: 'erase' });
     following.result({ id: 'c', frame: 0, final: true, changed: 4 } as StrokeResult);
     wait();
-    expect(asked).toHaveLength(0);
+    expect(requests).toHaveLength(0);
   });
 });

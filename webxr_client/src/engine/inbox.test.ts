@@ -19,7 +19,7 @@ import {
 } from '../store/state';
 import { refusal } from '../tools/brush';
 import { Inbox, type InboxDeps } from './inbox';
-import { runAsked } from './review';
+import { startRun } from './review';
 
 const closed = (sequence: string): ErrorMessage => ({
   type: 'error',
@@ -99,7 +99,7 @@ describe('the end of a run', () => {
   };
   const deps = { following: { job: vi.fn() }, viewer: { invalidate: vi.fn() } };
   const inbox = new Inbox(deps as unknown as InboxDeps);
-  const said = (): string[] => state.notices.value.map((notice) => notice.title);
+  const titles = (): string[] => state.notices.value.map((notice) => notice.title);
   const row: TimelineRow = {
     points: Uint32Array.of(9, 9, 9),
     painted: Uint32Array.of(9, 0, 0),
@@ -161,12 +161,12 @@ describe('the end of a run', () => {
 
   it('is told by its doubt where it stopped for one', async () => {
     const how = { method: 'auto', overwrite: 'tracked', stop_unsure: true } as const;
-    runAsked({ labels: [1], start: 0, stop: 2, ...how });
+    startRun({ labels: [1], start: 0, stop: 2, ...how });
     inbox.receive({ t: 'message', message: job });
-    expect(said()).toEqual(['Tracked']);
+    expect(titles()).toEqual(['Tracked']);
     state.timeline.value = { rows: new Map([[1, row]]) };
     await Promise.resolve();
-    expect(said()).toEqual(['Doubtful here: A label']);
+    expect(titles()).toEqual(['Doubtful here: A label']);
   });
 });
 
@@ -174,12 +174,12 @@ describe('a page that the server refuses', () => {
   it('has no tools, and says which strokes wait', () => {
     const inbox = new Inbox({} as InboxDeps);
     const unsent = [{ frame: 3, tool: 'paint', label: 1 }];
-    const told = { t: 'link', detail: 'revoked', retryMs: null } as const;
-    inbox.receive({ ...told, state: 'refused', unsent });
+    const link = { t: 'link', detail: 'revoked', retryMs: null } as const;
+    inbox.receive({ ...link, state: 'refused', unsent });
     expect([canEdit.value, canManage.value]).toEqual([false, false]);
     expect(refusal()?.[0]).toBe('The server refused this page');
     expect(state.connection.value.unsent).toEqual(unsent);
-    inbox.receive({ ...told, state: 'online', unsent: [] });
+    inbox.receive({ ...link, state: 'online', unsent: [] });
     expect(canEdit.value).toBe(true);
   });
 });

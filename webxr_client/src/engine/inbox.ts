@@ -22,8 +22,8 @@ import type { Strokes } from '../tools/strokes';
 import { takeLabels, takeTimeline } from './labels/labels';
 import type { Playback } from './playback';
 import { isOneOfSeveral } from './recordings/imports';
-import { deletedHere, leaveOut, noteJob, refreshSoon, waitedFor } from './recordings/recordings';
-import { runEnded } from './review';
+import { deletedByPage, leaveOut, noteJob, refreshSoon, waitedFor } from './recordings/recordings';
+import { endRun } from './review';
 
 export interface InboxDeps {
   readonly viewer: Viewer;
@@ -161,7 +161,7 @@ export class Inbox {
     leaveOut(sequence);
     if (state.sequence.peek()?.id === sequence) actions.recordings.closeSequence();
     void actions.recordings.refreshSequences();
-    if (!deletedHere.has(sequence)) notify('info', 'The recording was closed', detail);
+    if (!deletedByPage.has(sequence)) notify('info', 'The recording was closed', detail);
   }
 
   private async welcomed(): Promise<void> {
@@ -173,10 +173,10 @@ export class Inbox {
 
   private takeSequence(info: SequenceInfo): void {
     const before = state.sequence.peek();
-    const again = before?.id === info.id && before.identity === info.identity;
+    const isSame = before?.id === info.id && before.identity === info.identity;
     state.sequence.value = info;
     state.opening.value = null;
-    if (again) {
+    if (isSame) {
       // The link is back, or the name, rate or floor has changed: keep the loaded points.
       this.deps.playback.renew(info);
       if (state.playing.peek()) this.deps.playback.restart();
@@ -199,7 +199,7 @@ export class Inbox {
     }
     if (job.kind === 'tracking') {
       this.dropProvisional();
-      runEnded(tellRun(job));
+      endRun(notifyRun(job));
     }
     if (job.state === 'failed') notify('error', `The ${job.kind} failed`, job.error ?? job.message);
     if (job.state === 'cancelled') notify('info', `The ${job.kind} was stopped`, kept(job));
@@ -238,7 +238,7 @@ function offer(id: string | null, name: string): void {
 }
 
 /** Report a successful run; return the message's id, or null. */
-function tellRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
+function notifyRun(job: Extract<PlainMessage, { type: 'job' }>): number | null {
   return job.state === 'done' ? notify('success', 'Tracked', job.message) : null;
 }
 

@@ -15,7 +15,7 @@ class Display {
 
   constructor(
     public rate: number,
-    readonly there = 1_000_000,
+    readonly available = 1_000_000,
     /** Drawn only whole levels, which double. */
     readonly levels = false,
     readonly refresh = TARGET,
@@ -26,9 +26,9 @@ class Display {
   run(seconds: number): void {
     const stop = this.now + seconds * 1000;
     while (this.now < stop) {
-      this.drawn = Math.min(this.there, this.budget.points);
+      this.drawn = Math.min(this.available, this.budget.points);
       if (this.levels) {
-        let level = this.there;
+        let level = this.available;
         while (level > this.drawn) level /= 2;
         this.drawn = level;
       }

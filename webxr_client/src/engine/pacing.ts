@@ -22,7 +22,7 @@ export class Pacing {
   private whole = false;
   /** Camera and frame as they were, and are. */
   private readonly before = new Float64Array(33);
-  private readonly here = new Float64Array(33);
+  private readonly current = new Float64Array(33);
   private readonly movedAt = new Float64Array(1);
   private readonly deskMs: number;
   /** Of the last picture, as the budget takes it. */
@@ -69,14 +69,14 @@ export class Pacing {
 
   /** Return whether camera or frame have changed since the last call. */
   private look(): boolean {
-    const { here, before } = this;
+    const { current, before } = this;
     const { matrixWorld, projectionMatrix } = this.viewer.camera;
-    matrixWorld.toArray(here);
-    projectionMatrix.toArray(here, 16);
-    here[32] = peek(state.frame);
+    matrixWorld.toArray(current);
+    projectionMatrix.toArray(current, 16);
+    current[32] = peek(state.frame);
     let moved = false;
-    for (let i = 0; i < here.length; i++) if (here[i] !== before[i]) moved = true;
-    if (moved) before.set(here);
+    for (let i = 0; i < current.length; i++) if (current[i] !== before[i]) moved = true;
+    if (moved) before.set(current);
     return moved;
   }
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { CELL_STATES, type TimelineRow } from '../store/state';
-import { againOver, stretchAt } from './review';
+import { runOver, stretchAt } from './review';
 
 /** A label frame by frame: p painted, t tracked, d doubtful, l lost, . nothing. */
 function row(cells: string): TimelineRow {
@@ -34,10 +34,10 @@ describe('a doubtful stretch', () => {
   });
 
   it('is tracked again from the sure frame before it, else from the one behind', () => {
-    expect(againOver(at(3)!, rows)).toEqual({ labels: [1], start: 1, stop: 4 });
+    expect(runOver(at(3)!, rows)).toEqual({ labels: [1], start: 1, stop: 4 });
     const behind = new Map([[1, row('ddp')]]);
-    expect(againOver(stretchAt(behind, 0, 3)!, behind)).toEqual({ labels: [1], start: 2, stop: 0 });
+    expect(runOver(stretchAt(behind, 0, 3)!, behind)).toEqual({ labels: [1], start: 2, stop: 0 });
     const alone = new Map([[1, row('ddd')]]);
-    expect(againOver(stretchAt(alone, 0, 3)!, alone)).toBe(null);
+    expect(runOver(stretchAt(alone, 0, 3)!, alone)).toBe(null);
   });
 });

@@ -26,7 +26,7 @@ const unsureText = computed(() => {
 });
 
 /** The text before the names of doubtful labels. */
-export const DOUBTFUL_HERE = 'Doubtful here';
+export const DOUBT_PREFIX = 'Doubtful here';
 
 /** Labels that are doubtful or lost in the frame at which time stands. */
 export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
@@ -34,29 +34,29 @@ export const unsure: ReadonlySignal<readonly number[]> = computed(() =>
 );
 
 /** The request of the run that goes on now, if it is one that stops. */
-let asked: TrackRequest | null = null;
+let runningRequest: TrackRequest | null = null;
 /** Request of the run that waits. */
 let stopped: TrackRequest | null = null;
 /** The table of the run's frames may come a little after its end. */
 const PATIENCE_MS = 3000;
 
 /** Record the request of a run. */
-export function runAsked(request: TrackRequest): void {
-  asked = request.stop_unsure ? request : null;
+export function startRun(request: TrackRequest): void {
+  runningRequest = request.stop_unsure ? request : null;
   stopped = null;
   halted.value = null;
 }
 
 /** Another recording: its frames have nothing to do with a run of this one. */
 export function forgetRun(): void {
-  asked = stopped = null;
+  runningRequest = stopped = null;
   halted.value = null;
 }
 
-/** A run has ended: go to the frame where it stopped, and replace the message `told`. */
-export function runEnded(told: number | null): void {
-  const request = asked;
-  asked = null;
+/** A run has ended: go to the frame where it stopped, and replace the notice `message`. */
+export function endRun(message: number | null): void {
+  const request = runningRequest;
+  runningRequest = null;
   if (!request) return;
   const { id } = state.sequence.peek() ?? {};
   let done = false;
@@ -68,7 +68,7 @@ export function runEnded(told: number | null): void {
     done = true;
     queueMicrotask(() => {
       stopLooking();
-      if (told !== null) dismiss(told);
+      if (message !== null) dismiss(message);
       halt(request, found);
     });
   });
@@ -111,7 +111,7 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   actions.view.goToObject(label, frame);
   notify(
     'info',
-    `${DOUBTFUL_HERE}: ${namesOf([label])}`,
+    `${DOUBT_PREFIX}: ${namesOf([label])}`,
     'Correct it with a stroke or confirm it, then continue.',
   );
 }
@@ -138,7 +138,7 @@ function continueRun(): void {
   actions.tracking.track({ ...how, labels, start, stop });
 }
 
-async function acceptHere(): Promise<void> {
+async function acceptFrame(): Promise<void> {
   const id = encodeURIComponent(state.sequence.peek()?.id ?? '');
   const frame = state.frame.peek();
   const labels = unsure.peek();
@@ -150,7 +150,7 @@ async function acceptHere(): Promise<void> {
 
 export const reviewActions = {
   tracking: {
-    acceptHere,
+    acceptFrame,
     continueRun,
   },
 } satisfies ActionParts;
@@ -185,19 +185,19 @@ function doubtful(rows: Rows, id: number, frame: number): boolean {
   return row !== undefined && wantsLook(cellKind(row, frame));
 }
 
-interface Again {
+interface TrackingRun {
   readonly labels: number[];
   readonly start: number;
   readonly stop: number;
 }
 
 /** Return the run that tracks a stretch again, from the sure frame before it, or else after it. */
-export function againOver({ labels, start, stop }: Stretch, rows: Rows): Again | null {
+export function runOver({ labels, start, stop }: Stretch, rows: Rows): TrackingRun | null {
   for (const [from, to] of [[start - 1, stop], [stop + 1, start]] as const) {
-    const there = labels.filter(
+    const sureLabels = labels.filter(
       (id) => (rows.get(id)?.points[from] ?? 0) > 0 && !doubtful(rows, id, from),
     );
-    if (there.length > 0) return { labels: there, start: from, stop: to };
+    if (sureLabels.length > 0) return { labels: sureLabels, start: from, stop: to };
   } // prettier-ignore
   return null;
 }
@@ -219,10 +219,10 @@ async function judge(what: 'accept' | 'clear', failed: string): Promise<void> {
   });
 }
 
-function trackAgain(): void {
+function trackStretch(): void {
   const found = stretch.peek();
   if (!found) return;
-  const run = againOver(found, state.timeline.peek().rows);
+  const run = runOver(found, state.timeline.peek().rows);
   if (run)
     actions.tracking.track({ ...run, method: 'auto', overwrite: 'tracked', continue_lost: true });
   else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
@@ -232,6 +232,6 @@ export const stretchActions = {
   tracking: {
     acceptStretch: () => judge('accept', 'The range was not confirmed'),
     clearStretch: () => judge('clear', 'The range was not cleared'),
-    trackStretch: trackAgain,
+    trackStretch,
   },
 } satisfies ActionParts;

@@ -77,8 +77,8 @@ function wrapped(frame: number, frames: number): number {
 function doubtful(direction: 1 | -1): { frame: number; label: number } | null {
   const frames = state.sequence.peek()?.frames ?? 0;
   const rows = [...state.timeline.peek().rows];
-  for (let away = 1; away <= frames; away++) {
-    const frame = wrapped(state.frame.peek() + away * direction, frames);
+  for (let offset = 1; offset <= frames; offset++) {
+    const frame = wrapped(state.frame.peek() + offset * direction, frames);
     const doubt = rows.find(([, row]) => wantsLook(cellKind(row, frame)));
     if (doubt) return { frame, label: doubt[0] };
   }
@@ -117,10 +117,10 @@ async function find(sequence: string, edit: string): Promise<PastEdit | null> {
 
 /** Go to the nearest frame of an edit, and show a message. */
 function go(type: 'undo' | 'redo', { frames, summary }: PastEdit): void {
-  const here = state.frame.peek();
-  if (frames.length === 0 || frames.includes(here)) return;
-  const away = (frame: number): number => Math.abs(frame - here);
-  const frame = frames.reduce((best, other) => (away(other) < away(best) ? other : best));
+  const current = state.frame.peek();
+  if (frames.length === 0 || frames.includes(current)) return;
+  const distance = (frame: number): number => Math.abs(frame - current);
+  const frame = frames.reduce((best, other) => (distance(other) < distance(best) ? other : best));
   actions.time.pause();
   actions.time.seek(frame);
   const label = labelIn(summary);

@@ -142,7 +142,7 @@ export interface HistoryActions {
 export interface TrackingActions {
   track(request: TrackRequest): void;
   /** Accept this frame: its doubtful labels count as painted. */
-  acceptHere(): Promise<void>;
+  acceptFrame(): Promise<void>;
   /** The same for all doubtful frames round this one. */
   acceptStretch(): Promise<void>;
   /** Clear the tracked points in the doubtful frames around this one. */

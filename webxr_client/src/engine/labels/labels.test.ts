@@ -5,15 +5,15 @@ import { CELL_STATES, state } from '../../store/state';
 import { finishLabel, isNew, labelActions, newLabel, takeLabels, takeTimeline } from './labels';
 
 const pin = { id: 1, name: 'pin 1', color: '#ff5d5d', category: 'pin' } as Label;
-let asked: { url: string; method: string; body: Record<string, unknown> }[] = [];
+let requests: { url: string; method: string; body: Record<string, unknown> }[] = [];
 let answer: (response: Response) => void = vi.fn();
 
 beforeEach(() => {
   bindActions(labelActions);
   vi.stubGlobal('document', { baseURI: 'http://host/' });
-  asked = [];
+  requests = [];
   vi.stubGlobal('fetch', (url: string, { method, body }: RequestInit) => {
-    asked.push({
+    requests.push({
       url,
       method: method!,
       body: JSON.parse(typeof body === 'string' ? body : '{}') as never,
@@ -29,7 +29,7 @@ beforeEach(() => {
 const settled = (): Promise<void> => new Promise((done) => setTimeout(done));
 
 async function made(id: number): Promise<void> {
-  const { name, color } = asked[0]!.body;
+  const { name, color } = requests[0]!.body;
   answer(Response.json({ id, name, color, category: '' }, { status: 201 }));
   await settled();
 }
@@ -66,7 +66,7 @@ describe('a new label', () => {
   it('can be named before the server has answered, and nothing is painted meanwhile', async () => {
     void labelActions.labels.newLabel();
     expect(newLabel.value).toMatchObject({ name: 'label 1', id: 0 });
-    expect(asked[0]).toMatchObject({
+    expect(requests[0]).toMatchObject({
       method: 'POST',
       body: { name: 'label 1', category: '', distinct: true },
     });
@@ -78,7 +78,7 @@ describe('a new label', () => {
     answer(new Response('{}'));
     await naming;
     expect(state.activeLabel.value).toBe(2);
-    expect(asked[1]).toMatchObject({ method: 'PATCH', body: { name: 'left pin' } });
+    expect(requests[1]).toMatchObject({ method: 'PATCH', body: { name: 'left pin' } });
   });
 
   it('has one row, the one with the field', async () => {
@@ -89,7 +89,7 @@ describe('a new label', () => {
     await made(2);
     expect(isNew(newLabel.value, { ...mine, name: 'renamed by another' })).toBe(true);
     void labelActions.labels.newLabel();
-    expect(asked.length).toBe(1);
+    expect(requests.length).toBe(1);
   });
 
   it('is gone again when it is given up, and when the server refuses it', async () => {
@@ -97,7 +97,7 @@ describe('a new label', () => {
     await made(2);
     void finishLabel(null);
     await settled();
-    expect(asked[1]).toMatchObject({ method: 'DELETE' });
+    expect(requests[1]).toMatchObject({ method: 'DELETE' });
     answer(new Response(null, { status: 204 }));
 
     state.activeLabel.value = 1;

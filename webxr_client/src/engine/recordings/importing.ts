@@ -32,10 +32,10 @@ const LOOK = 200;
 const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^/]*\.(npy|json))$/i;
 
 /** Files that a short message names. */
-const TOLD = 3;
+const MAX_NAMED_FILES = 3;
 
 /** Number of the newest request; answers to earlier ones are ignored. */
-let asked = 0;
+let newestRequest = 0;
 
 function change(patch: Partial<ImportDraft>): void {
   const draft = state.importing.peek();
@@ -45,16 +45,16 @@ function change(patch: Partial<ImportDraft>): void {
 async function preview(): Promise<void> {
   const draft = state.importing.peek();
   if (!draft) return;
-  const turn = ++asked;
+  const turn = ++newestRequest;
   change({ busy: true, error: '' });
   if (!draft.parts) {
     const answer = await previewOf(draft, draft.options);
-    if (turn === asked) change({ busy: false, ...answer });
+    if (turn === newestRequest) change({ busy: false, ...answer });
     return;
   }
   for (const [number, part] of draft.parts.entries()) {
     const answer = await previewOf(part, optionsOf(part, draft.options));
-    if (turn !== asked) return;
+    if (turn !== newestRequest) return;
     const { included, error } = state.importing.peek()!.parts![number]!;
     // Unreadable parts are left out, and included again once they can be read.
     changePart({ ...answer, included: !answer.error && (included || error !== '') }, number);
@@ -90,13 +90,13 @@ async function labels(dry: boolean): Promise<LabelsFound> {
 }
 
 async function lookForLabels(): Promise<void> {
-  const turn = ++asked;
+  const turn = ++newestRequest;
   change({ busy: true, error: '', labels: null });
   try {
     const found = await labels(true);
-    if (turn === asked) change({ busy: false, labels: found });
+    if (turn === newestRequest) change({ busy: false, labels: found });
   } catch (error) {
-    if (turn === asked) {
+    if (turn === newestRequest) {
       change({ busy: false, error: error instanceof Error ? error.message : String(error) });
     }
   }
@@ -147,7 +147,7 @@ export const importEach = (path: string): Promise<void> =>
 
 async function leave(): Promise<void> {
   const draft = state.importing.peek();
-  asked++;
+  newestRequest++;
   state.importing.value = null;
   if (draft) await dropUploads([draft, ...(draft.parts ?? [])]);
 }
@@ -155,8 +155,8 @@ async function leave(): Promise<void> {
 /** Return the message about an import of label files. */
 export function outcome({ changed, matched, files, locked }: LabelsFound): string {
   const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
-  const pairs = files.slice(0, TOLD).map(({ file, frame }) => `${file} → ${frame}`);
-  if (files.length > TOLD) pairs.push(`${files.length - TOLD} more`);
+  const pairs = files.slice(0, MAX_NAMED_FILES).map(({ file, frame }) => `${file} → ${frame}`);
+  if (files.length > MAX_NAMED_FILES) pairs.push(`${files.length - MAX_NAMED_FILES} more`);
   const kept = locked.length > 0 ? [`Locked labels kept their points: ${locked.join(', ')}`] : [];
   return [count, pairs.join(', '), ...kept].filter(Boolean).join('. ');
 }
@@ -171,7 +171,7 @@ async function take(): Promise<void> {
     return;
   }
   if (draft.parts) {
-    asked++;
+    newestRequest++;
     state.importing.value = null;
     await takeParts(draft.parts, draft.options);
     return;

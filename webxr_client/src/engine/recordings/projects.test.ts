@@ -28,8 +28,8 @@ test('recordings are under their projects, and none is lost with an unknown one'
     [row('a', 'night'), row('b', 'day'), row('c', 'new')],
     [project('day'), project('night'), project('empty')],
   );
-  const told = groups.map((group) => [group.project.id, group.rows.map(({ id }) => id)]);
-  expect(told).toEqual([['day', ['b']], ['night', ['a']], ['empty', []], ['new', ['c']]]); // prettier-ignore
+  const ids = groups.map((group) => [group.project.id, group.rows.map(({ id }) => id)]);
+  expect(ids).toEqual([['day', ['b']], ['night', ['a']], ['empty', []], ['new', ['c']]]); // prettier-ignore
 });
 
 test('the server is asked for the conditions that are said, and for nothing without any', async () => {

@@ -49,18 +49,18 @@ describe('an export', () => {
 });
 
 describe('a recording that is deleted here', () => {
-  const asked: string[] = [];
+  const requests: string[] = [];
   const opened = vi.fn();
   const closeSequence = (): void => {
     state.sequence.value = null;
   };
 
   beforeEach(() => {
-    asked.length = 0;
+    requests.length = 0;
     bindActions({ recordings: { closeSequence, openSequence: opened } });
     vi.stubGlobal('document', { baseURI: 'http://host/' });
     vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
-      asked.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
+      requests.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
       return Promise.resolve(
         Response.json(
           method === 'POST' ? { id: 'wall', name: 'Wall' } : method === 'GET' ? [] : {},
@@ -86,17 +86,17 @@ describe('a recording that is deleted here', () => {
     expect(state.notices.value).toMatchObject([{ title: 'Deleted Wall' }]);
     state.notices.value[0]!.action!.run();
     await vi.waitFor(() => expect(opened).toHaveBeenCalledWith('wall'));
-    expect(asked).toContain('DELETE sequences/wall');
-    expect(asked).toContain('POST sequences/wall/restore');
+    expect(requests).toContain('DELETE sequences/wall');
+    expect(requests).toContain('POST sequences/wall/restore');
   });
 });
 
 describe('a recording whose labels did not come in', () => {
   it('says why in the list, and is tried again', async () => {
-    const asked: string[] = [];
+    const requests: string[] = [];
     vi.stubGlobal('document', { baseURI: 'http://host/' });
     vi.stubGlobal('fetch', (url: string, { method }: RequestInit) => {
-      asked.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
+      requests.push(`${method} ${new URL(url).pathname.replace('/api/v1/', '')}`);
       const row = { id: 'wall', name: 'Wall', points: [4], labels_missing: 'the disk is full' };
       return Promise.resolve(
         method === 'POST'
@@ -105,7 +105,7 @@ describe('a recording whose labels did not come in', () => {
       );
     });
     await recordingActions.recordings.importSourceLabels('wall');
-    expect(asked).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
+    expect(requests).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
     expect(state.sequences.value).toMatchObject([{ labels_missing: 'the disk is full' }]);
     expect(state.notices.value).toMatchObject([
       { kind: 'error', title: 'The labels were not imported', detail: 'the disk is full' },

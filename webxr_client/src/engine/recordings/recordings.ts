@@ -138,30 +138,31 @@ async function exportSequence(
 }
 
 /** Recordings deleted on this page, so that the server's message is not shown again. */
-export const deletedHere = new Set<string>();
+export const deletedByPage = new Set<string>();
 
 async function remove(id: string): Promise<void> {
   const name = state.sequences.peek()?.find((row) => row.id === id)?.name ?? id;
-  deletedHere.add(id);
+  deletedByPage.add(id);
   try {
     await api('DELETE', sequencePath(id));
   } catch (error) {
-    deletedHere.delete(id);
+    deletedByPage.delete(id);
     throw error;
   }
   const wasOpen = state.sequence.peek()?.id === id;
   leaveOut(id);
   if (wasOpen) actions.recordings.closeSequence();
-  const run = (): void => void attempt('The recording was not restored', () => bring(id, wasOpen));
+  const run = (): void =>
+    void attempt('The recording was not restored', () => restore(id, wasOpen));
   notify('info', `Deleted ${name}`, 'It can be restored for 30 days.', { label: 'Undo', run });
   await refreshSequences();
   await refreshDeleted();
 }
 
 /** Bring a deleted recording back, by its import or its id, and open it again if it was. */
-async function bring(key: string, open = false): Promise<void> {
+async function restore(key: string, open = false): Promise<void> {
   const restored = await api<{ id: string; name: string }>('POST', `${sequencePath(key)}/restore`);
-  deletedHere.delete(restored.id);
+  deletedByPage.delete(restored.id);
   notify('success', 'Restored', restored.name);
   await refreshSequences();
   await refreshDeleted();
@@ -180,7 +181,8 @@ export const recordingActions = {
       }),
     deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
     refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
-    restoreSequence: (identity) => attempt('The recording was not restored', () => bring(identity)),
+    restoreSequence: (identity) =>
+      attempt('The recording was not restored', () => restore(identity)),
     importSourceLabels: (id) =>
       attempt('The labels were not imported', async () => {
         try {

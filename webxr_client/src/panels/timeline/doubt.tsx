@@ -1,6 +1,6 @@
 /** Actions on a doubtful frame and the stretch around it, or on a run that stopped for doubt. */
 import { actions } from '../../store/actions';
-import { DOUBTFUL_HERE, halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
+import { DOUBT_PREFIX, halted, namesOf, stretch, type Stretch, unsure } from '../../engine/review';
 import { canEdit, canReview, state, trackingJob } from '../../store/state';
 import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
@@ -20,7 +20,7 @@ export function Doubt() {
           keys="Shift Y"
           kind="outlined"
           small
-          onClick={() => void actions.tracking.acceptHere()}
+          onClick={() => void actions.tracking.acceptFrame()}
         />
       )}
       {found && <OfStretch found={found} />}
@@ -46,7 +46,7 @@ function Continue({ doubtful }: { doubtful: boolean }) {
 }
 
 function textOf(labels: readonly number[], found: Stretch | null): string {
-  if (labels.length > 0) return `${DOUBTFUL_HERE}: ${namesOf(labels)}`;
+  if (labels.length > 0) return `${DOUBT_PREFIX}: ${namesOf(labels)}`;
   return found ? `Doubtful nearby: ${namesOf(found.labels)}` : 'Not doubtful here';
 }
 

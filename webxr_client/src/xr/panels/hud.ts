@@ -1,7 +1,7 @@
 /** Urgent notices before the eyes: connection, controllers, messages, refusals. */
 import { Group, Vector3 } from 'three';
 import { plural } from '../../common/format';
-import { DOUBTFUL_HERE } from '../../engine/review';
+import { DOUBT_PREFIX } from '../../engine/review';
 import { state } from '../../store/state';
 import { faceEyes } from '../drawing/facing';
 import type { Rig } from '../moving/rig';
@@ -37,7 +37,7 @@ export class Hud {
       follow(() => {
         const notice = state.notices.value.at(-1);
         // The question beside the object says it.
-        if (notice && !notice.title.startsWith(DOUBTFUL_HERE)) this.say(noticeText(notice));
+        if (notice && !notice.title.startsWith(DOUBT_PREFIX)) this.say(noticeText(notice));
       }),
     ];
     this.unfollow = () => {

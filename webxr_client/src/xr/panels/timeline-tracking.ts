@@ -98,7 +98,7 @@ export function drawDoubt(words: Row, answers: Row, onward: Row): void {
     });
   }
   answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
-    void actions.tracking.acceptHere();
+    void actions.tracking.acceptFrame();
   });
   const todo = disabled ? 'Correct it; reviewers can confirm it' : 'Correct or confirm it';
   words.say(`${namesOf(unsure.peek())}: doubtful. ${todo}`, INK.warn);

@@ -176,4 +176,4 @@ const TOOLS: readonly (keyof ToolActions)[] =
 const LABELS: readonly (keyof LabelActions)[] =
   ['deleteLabel', 'clearLabels', 'lastLabel', 'selectNthLabel']; // prettier-ignore
 const TRACKING: readonly (keyof TrackingActions)[] =
-  ['track', 'acceptHere', 'acceptStretch', 'clearStretch', 'continueRun']; // prettier-ignore
+  ['track', 'acceptFrame', 'acceptStretch', 'clearStretch', 'continueRun']; // prettier-ignore
