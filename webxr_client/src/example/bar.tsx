@@ -9,7 +9,7 @@ import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { frameRange, ordered } from '../store/range';
 import { canEdit, state } from '../store/state';
 import { coloursOf } from './model';
-import { answerable, answerDoubt, answered, applyPrediction, asking, classifier, classifiers, closeExample, exampleOpen, leaveQuestion, makeClassifier, predicted, question, skipDoubt, starts, takeBackAnswer, toggleExample } from './store'; // prettier-ignore
+import { answerable, answerDoubt, answered, applyPrediction, isRequesting, classifier, classifiers, closeExample, exampleOpen, leaveQuestion, makeClassifier, predicted, question, skipDoubt, starts, takeBackAnswer, toggleExample } from './store'; // prettier-ignore
 import { Summary } from './summary';
 
 export function ExampleButton() {
@@ -24,7 +24,7 @@ export function ExampleBar() {
     <section class="example-bar bar card" aria-label="Label by example">
       <div class="example-row line start">
         <Icon name="example" />
-        {question.value ? <Asked place={question.value} /> : <Predicted />}
+        {question.value ? <QuestionBar place={question.value} /> : <Predicted />}
       </div>
     </section>
   ); // prettier-ignore
@@ -35,9 +35,9 @@ function Begin() {
   return (
     <>
       <span>Paint examples of at least two classes.</span>
-      <Button label="Learn from painted points" kind="primary" disabled={!canEdit.value || asking.value} onClick={() => void makeClassifier()} />
+      <Button label="Learn from painted points" kind="primary" disabled={!canEdit.value || isRequesting.value} onClick={() => void makeClassifier()} />
       {starts.value.length > 0 && (
-        <Button label={`Start from ${plural(starts.value.length, 'labelled recording')}`} kind="outlined" tip="Their labels teach, too; the more you paint, the less they count" disabled={!canEdit.value || asking.value} onClick={() => void makeClassifier(starts.value)} />
+        <Button label={`Start from ${plural(starts.value.length, 'labelled recording')}`} kind="outlined" tip="Their labels teach, too; the more you paint, the less they count" disabled={!canEdit.value || isRequesting.value} onClick={() => void makeClassifier(starts.value)} />
       )}
     </>
   ); // prettier-ignore
@@ -47,7 +47,7 @@ function Predicted() {
   return (
     <>
       <div class="example-parts line wrap grow">
-        {classifier.value ? <><Told /><Doubts label="Next doubt" tip="Go to the doubtful place that teaches the classifier most" disabled={asking.value} /><Apply /></> : <Begin />}
+        {classifier.value ? <><PredictionSummary /><Doubts label="Next doubt" tip="Go to the doubtful place that teaches the classifier most" disabled={isRequesting.value} /><Apply /></> : <Begin />}
       </div>
       <Button icon="close" tip="Close: hides the prediction, keeps the labels" small onClick={closeExample} />
     </>
@@ -66,20 +66,22 @@ function Doubts({ label, tip, disabled }: { label: string; tip: string; disabled
   ); // prettier-ignore
 }
 
-function Told() {
-  const told = predicted.value;
-  if (told && !told.kind.some(Boolean))
+function PredictionSummary() {
+  const prediction = predicted.value;
+  if (prediction && !prediction.kind.some(Boolean))
     return <span class="soft">Paint a second class: a classifier needs at least two</span>;
   return (
     <span class="example-told line" role="status">
-      {told && <span class="number">{plural(told.kind.length, 'point')}</span>}
-      {told && state.sequence.value?.large && <span class="soft">near the centre of the view</span>}
-      {asking.value && <span class="spinner small" aria-label="Predicting" />}
+      {prediction && <span class="number">{plural(prediction.kind.length, 'point')}</span>}
+      {prediction && state.sequence.value?.large && (
+        <span class="soft">near the centre of the view</span>
+      )}
+      {isRequesting.value && <span class="spinner small" aria-label="Predicting" />}
     </span>
   );
 }
 
-function Asked({ place }: { place: Question }) {
+function QuestionBar({ place }: { place: Question }) {
   const { classes } = classifier.value!;
   const colours = coloursOf(classes, state.palette.value);
   const likely = (name: string): boolean => place.classes.includes(name);

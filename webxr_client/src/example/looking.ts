@@ -18,14 +18,15 @@ export function lookedAt(
   ray.origin.setFromMatrixPosition(camera.matrixWorld);
   camera.getWorldDirection(ray.direction);
   ray.applyMatrix4(new Matrix4().copy(room.matrixWorld).invert());
-  let best: { level: number; away: number; middle: Vector3 } | undefined;
+  let best: { level: number; distance: number; middle: Vector3 } | undefined;
   for (const { level, lo, hi } of frame.pieces) {
     box.min.fromArray(lo);
     box.max.fromArray(hi);
     if (!ray.intersectBox(box, hit)) continue;
-    const away = ray.origin.distanceTo(hit);
-    if (best && (level < best.level || (level === best.level && away >= best.away))) continue;
-    best = { level, away, middle: box.getCenter(new Vector3()) };
+    const distance = ray.origin.distanceTo(hit);
+    if (best && (level < best.level || (level === best.level && distance >= best.distance)))
+      continue;
+    best = { level, distance, middle: box.getCenter(new Vector3()) };
   }
   return best?.middle.toArray();
 }

@@ -3,7 +3,7 @@ import { PREDICTED, SURE_STEPS } from '../cloud/picture/palette';
 import type { Label } from '../protocol/messages';
 import { coloursOf, idsOf, labelOf, mapColours, predictionOf, talliesOf } from './model';
 
-const SAID = {
+const PREDICTION = {
   numbers: null,
   kind: Uint8Array.of(0, 1, 2, 2),
   confidence: Uint8Array.of(255, 255, 0, 128),
@@ -17,7 +17,7 @@ function label(id: number, name: string, category: string, color = '#112233'): L
 
 describe('prediction of a frame', () => {
   it('has the colour of its class, the greyer the less certain, and none where nothing was taught', () => {
-    const ids = [...idsOf(SAID)];
+    const ids = [...idsOf(PREDICTION)];
     expect(ids).toEqual([0, PREDICTED + 3, PREDICTED + SURE_STEPS, PREDICTED + SURE_STEPS + 2]);
     const colours = mapColours(['#ff0000', '#0000ff'], null);
     expect(colours[ids[1]! - PREDICTED]).toBe('#ff0000');
@@ -29,24 +29,32 @@ describe('prediction of a frame', () => {
     const head = new TextEncoder().encode(
       '{"points": 4, "confused": [[0, 1, 1]], "doubts": [0, 1]} ',
     );
-    const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...SAID.kind, ...SAID.confidence);
-    expect(predictionOf(bytes.buffer)).toEqual(SAID);
+    const bytes = Uint8Array.of(
+      head.length,
+      0,
+      0,
+      0,
+      ...head,
+      ...PREDICTION.kind,
+      ...PREDICTION.confidence,
+    );
+    expect(predictionOf(bytes.buffer)).toEqual(PREDICTION);
   });
 
   it('is read of a part of a large frame, with the numbers of its points', () => {
     const head = new TextEncoder().encode('{"points": 2, "part": true} ');
     const numbers = new Uint8Array(Uint32Array.of(7, 90_000).buffer);
     const bytes = Uint8Array.of(head.length, 0, 0, 0, ...head, ...numbers, 1, 2, 200, 100);
-    const said = predictionOf(bytes.buffer);
-    expect([...said.numbers!]).toEqual([7, 90_000]);
-    expect([[...said.kind], [...said.confidence]]).toEqual([[1, 2], [200, 100]]); // prettier-ignore
+    const prediction = predictionOf(bytes.buffer);
+    expect([...prediction.numbers!]).toEqual([7, 90_000]);
+    expect([[...prediction.kind], [...prediction.confidence]]).toEqual([[1, 2], [200, 100]]); // prettier-ignore
   });
 
   it('is counted by class, above a confidence and of some points', () => {
-    const [all, ...each] = talliesOf(SAID, 2);
+    const [all, ...each] = talliesOf(PREDICTION, 2);
     expect(all).toMatchObject({ points: 3, unsure: 1 });
     expect(each.map(({ points }) => points)).toEqual([1, 2]);
-    expect(talliesOf(SAID, 2, 100, (point) => point !== 1)[0]?.points).toBe(1);
+    expect(talliesOf(PREDICTION, 2, 100, (point) => point !== 1)[0]?.points).toBe(1);
   });
 });
 

@@ -7,12 +7,12 @@ import { PopoverButton } from '../panels/parts/popover';
 import { RadioGroup, type RadioOption } from '../panels/parts/radio-group';
 import { canEdit, canManage, state } from '../store/state';
 import { coloursOf, type Prediction, type Scope, type Tally, talliesOf } from './model';
-import { chooseClassifier, classifier, classifiers, closeExample, deleteClassifier, exampleOpen, makeClassifier, natural, nextDoubt, only, predicted, scope, teachHere } from './store'; // prettier-ignore
+import { chooseClassifier, classifier, classifiers, closeExample, deleteClassifier, exampleOpen, makeClassifier, natural, nextDoubt, only, predicted, scope, teachOpenRecording } from './store'; // prettier-ignore
 
 function ExamplePanel() {
   const shown = exampleOpen.value && state.xr.value.session !== 'running';
   if (!shown || !state.sequence.value || !classifier.value) return null;
-  const said = predicted.value;
+  const prediction = predicted.value;
   return (
     <>
       <header class="panel-head line spread">
@@ -23,9 +23,9 @@ function ExamplePanel() {
         </span>
       </header>
       <div class="work-body stack">
-        <Classes said={said} />
+        <Classes prediction={prediction} />
         <Legend />
-        {said && <Confusions said={said} />}
+        {prediction && <Confusions prediction={prediction} />}
         <Scopes />
       </div>
     </>
@@ -37,7 +37,7 @@ const choiceOpen = signal(false);
 /** Other classifiers, and the examples of this one. */
 function Choice() {
   const chosen = classifier.value!;
-  const here = state.sequence.value!.id;
+  const sequence = state.sequence.value!.id;
   return (
     <PopoverButton open={choiceOpen} icon="more" small tip="Choose, make or delete a classifier" label="Classifier" class="form">
       <select class="field" aria-label="Classifier" value={chosen.id} onChange={(event) => chooseClassifier(event.currentTarget.value)}>
@@ -47,21 +47,21 @@ function Choice() {
         <div class="form-end">
           {canManage.value && <Button label="Delete" kind="danger" onClick={() => void deleteClassifier()} />}
           <Button label="New classifier" kind="outlined" onClick={() => void makeClassifier()} />
-          {!(here in chosen.taught_by) && <Button label="Teach with this recording" kind="primary" onClick={() => void teachHere()} />}
+          {!(sequence in chosen.taught_by) && <Button label="Teach with this recording" kind="primary" onClick={() => void teachOpenRecording()} />}
         </div>
       )}
     </PopoverButton>
   ); // prettier-ignore
 }
 
-function Classes({ said }: { said: Prediction | null }) {
+function Classes({ prediction }: { prediction: Prediction | null }) {
   const { classes } = classifier.value!;
-  const tallies = said && talliesOf(said, classes.length);
+  const tallies = prediction && talliesOf(prediction, classes.length);
   return (
     <ul class="example-classes" aria-label="Classes">
       {classes.map((name, k) => (
         <li key={name}>
-          <Class name={name} place={k} all={tallies?.[0]} own={tallies?.[k + 1]} doubts={said?.doubts[k]} />
+          <Class name={name} place={k} all={tallies?.[0]} own={tallies?.[k + 1]} doubts={prediction?.doubts[k]} />
         </li>
       ))}
     </ul>
@@ -112,10 +112,10 @@ function Legend() {
 const [MOST_PAIRS, LEAST_SHARE] = [5, 0.001];
 
 /** Pairs of classes with points in doubt between them; a click leads to one of these. */
-function Confusions({ said }: { said: Prediction }) {
+function Confusions({ prediction }: { prediction: Prediction }) {
   const { classes } = classifier.value!;
-  const pairs = said.confused
-    .map(([one, other, points]) => ({ names: [classes[one]!, classes[other]!], share: points / said.kind.length }))
+  const pairs = prediction.confused
+    .map(([one, other, points]) => ({ names: [classes[one]!, classes[other]!], share: points / prediction.kind.length }))
     .filter(({ share }) => share >= LEAST_SHARE)
     .sort((one, other) => other.share - one.share)
     .slice(0, MOST_PAIRS); // prettier-ignore

@@ -10,18 +10,18 @@ import { notify, state } from '../store/state';
 import { follow, watch } from '../store/watch';
 import { lookedAt } from './looking';
 import { classOf, coloursOf, idsOf, mapColours, type Prediction } from './model';
-import { asking, classifier, exampleOpen, ignored, leaveQuestion, looking, natural, only, predict, predicted, question, showPlace } from './store'; // prettier-ignore
+import { isRequesting, classifier, exampleOpen, ignored, leaveQuestion, looking, natural, only, predict, predicted, question, showPlace } from './store'; // prettier-ignore
 
 /** Edits and frames come one after the other: the server is asked once they rest, milliseconds. */
 const REST_MS = 120;
 
 export class Predicting {
   /** Predictions of the frames that are here. */
-  private readonly said = new WeakMap<CloudFrame, Prediction>();
+  private readonly predictions = new WeakMap<CloudFrame, Prediction>();
   private timer: ReturnType<typeof setTimeout> | undefined;
   private request: AbortController | null = null;
   /** Of large frames: the frame, classifier, labels and place that were asked about last. */
-  private asked: readonly unknown[] = [];
+  private lastRequest: readonly unknown[] = [];
 
   constructor(private readonly engine: Engine) {
     const { palette } = engine.viewer;
@@ -52,7 +52,7 @@ export class Predicting {
     );
     watch([question], () => {
       questionPiece.value = question.peek();
-      this.showAgain();
+      this.refresh();
     });
     watch([state.sequence], () => this.openedAnother());
   }
@@ -69,10 +69,10 @@ export class Predicting {
     clearTimeout(this.timer);
     const frame = this.engine.frame();
     if (!exampleOpen.peek() || !classifier.peek() || !frame) return;
-    const known = this.said.get(frame);
+    const known = this.predictions.get(frame);
     predicted.value = known ?? null;
-    const here = frame.large ? frame.loaded > 0 : frame.complete;
-    if (state.playing.peek() || !here) return;
+    const isLoaded = frame.large ? frame.loaded > 0 : frame.complete;
+    if (state.playing.peek() || !isLoaded) return;
     this.timer = setTimeout(() => void this.fetch(frame), REST_MS);
   }
 
@@ -88,16 +88,16 @@ export class Predicting {
     if (frame.large) {
       // Chunks come and go while one looks at the same place: that is no reason to ask again.
       const wish = [frame, classifier.peek(), state.counts.peek(), String(place)];
-      if (!place || wish.every((part, k) => part === this.asked[k])) return;
-      this.asked = wish;
+      if (!place || wish.every((part, k) => part === this.lastRequest[k])) return;
+      this.lastRequest = wish;
     }
     this.request?.abort();
     const request = (this.request = new AbortController());
-    asking.value = true;
+    isRequesting.value = true;
     try {
       const answer = await predict(frame.index, place, request.signal);
       if (request.signal.aborted || !exampleOpen.peek()) return;
-      this.said.set(frame, answer);
+      this.predictions.set(frame, answer);
       this.show(frame, answer);
     } catch (error) {
       if (request.signal.aborted) return;
@@ -107,37 +107,37 @@ export class Predicting {
         error instanceof ApiError ? error.message : String(error),
       );
     } finally {
-      if (this.request === request) asking.value = false;
+      if (this.request === request) isRequesting.value = false;
     }
   }
 
-  private show(frame: CloudFrame, said: Prediction): void {
-    const ids = idsOf(said);
+  private show(frame: CloudFrame, prediction: Prediction): void {
+    const ids = idsOf(prediction);
     const place = question.peek();
-    if (place?.frame === frame.index) mark(place.runs, said.numbers, ids);
-    frame.predict({ numbers: said.numbers, ids });
+    if (place?.frame === frame.index) mark(place.runs, prediction.numbers, ids);
+    frame.predict({ numbers: prediction.numbers, ids });
     if (frame === this.engine.frame()) {
-      predicted.value = said;
+      predicted.value = prediction;
       this.engine.viewer.show(frame);
     }
   }
 
-  private showAgain(): void {
+  private refresh(): void {
     for (const frame of this.engine.playback.store.all()) {
-      const said = this.said.get(frame);
-      if (said && frame.predicted) this.show(frame, said);
+      const prediction = this.predictions.get(frame);
+      if (prediction && frame.predicted) this.show(frame, prediction);
     }
   }
 
   /** Drop the prediction of another classifier, or of before the bar was closed. */
   private clear(): void {
     this.request?.abort();
-    this.asked = [];
+    this.lastRequest = [];
     predicted.value = null;
     const shown = this.engine.frame();
     const predicts = shown?.predicted != null;
     for (const frame of this.engine.playback.store.all()) {
-      this.said.delete(frame);
+      this.predictions.delete(frame);
       frame.predict(null);
     }
     if (shown && predicts) this.engine.viewer.show(shown);

@@ -5,7 +5,7 @@ import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { answerDoubt, answered, classifier, exampleOpen, question, takeBackAnswer } from './store';
 
-const ASKED: Question = {
+const QUESTION: Question = {
   sequence: 'hall', frame: 0, centre: [1.5, 0, -2.25], radius: 0.2, points: 20,
   runs: [[3, 20]], classes: ['road', 'wall'], doubt: 0.5,
 }; // prettier-ignore
@@ -36,12 +36,12 @@ beforeEach(() => {
 
 /** Answer the question, and take the answer back once the search for the next doubt is done. */
 async function answerAndTakeBack(name: string | null): Promise<void> {
-  question.value = ASKED;
+  question.value = QUESTION;
   expect(answerDoubt(name)).toBe(true);
   await vi.waitUntil(() => calls.some(([call]) => call.startsWith('GET doubt?')));
   calls.length = 0;
   expect(takeBackAnswer()).toBe(true);
-  await vi.waitUntil(() => question.value === ASKED);
+  await vi.waitUntil(() => question.value === QUESTION);
 }
 
 it('takes back the edit of the answer, whatever was painted since', async () => {

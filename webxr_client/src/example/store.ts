@@ -11,7 +11,7 @@ import { workOpen } from '../work/store';
 import { labelOf, predictionOf, type Prediction, type Scope } from './model';
 
 /** Distance from which a doubt is looked at, in radii of its piece, and metres at least. */
-const [RADII_AWAY, LEAST_AWAY] = [10, 3];
+const [VIEW_RADII, MIN_VIEW_METRES] = [10, 3];
 
 export const exampleOpen = signal(false);
 /** Classifiers of the workspace; null until the server has told them. */
@@ -34,7 +34,7 @@ export const predicted = signal<Prediction | null>(null);
 /** Changes of the places that the classifier ignores. */
 export const ignored = signal(0);
 /** A request to the server is open. */
-export const asking = signal(false);
+export const isRequesting = signal(false);
 /** Frames in which doubts are looked for. */
 export const scope = signal<Scope>('recording');
 /** Tells the place of a large frame that one looks at, source coordinates; set by the picture. */
@@ -177,17 +177,17 @@ export function chooseClassifier(id: string): void {
 export async function makeClassifier(others: readonly string[] = []): Promise<void> {
   const { id, name } = state.sequence.peek()!;
   const more = others.length > 0 ? { start_from: others } : {};
-  asking.value = true;
+  isRequesting.value = true;
   await attempt('The classifier was not trained', async () => {
     const made = await api<Classifier>('POST', 'classifiers', { name, recordings: [id], ...more });
     classifiers.value = [...(classifiers.peek() ?? []), made];
     classifier.value = made;
   });
-  asking.value = false;
+  isRequesting.value = false;
 }
 
 /** Let the open recording teach the classifier as well. */
-export async function teachHere(): Promise<void> {
+export async function teachOpenRecording(): Promise<void> {
   const { id } = classifier.peek()!;
   const more = { recordings: [state.sequence.peek()!.id] };
   await attempt('The classifier was not trained', async () => {
@@ -222,7 +222,7 @@ export async function predict(
 export async function nextDoubt(between: readonly string[] = []): Promise<void> {
   const chosen = classifier.peek();
   if (!exampleOpen.peek() || !chosen) return;
-  asking.value = true;
+  isRequesting.value = true;
   await attempt('The search for doubts failed', async () => {
     const before = question.peek();
     const [next] = await api<Question[]>('GET', doubtPath(chosen.id, between));
@@ -234,16 +234,16 @@ export async function nextDoubt(between: readonly string[] = []): Promise<void> 
     leaveQuestion();
     notify('info', 'No doubtful places', 'Turn the prediction into labels or paint more examples.');
   });
-  asking.value = false;
+  isRequesting.value = false;
 }
 
 function doubtPath(id: string, between: readonly string[]): string {
-  const asked = new URLSearchParams({ classifier: id, format: 'stored', most: '1' });
-  if (scope.peek() === 'frame') asked.set('frame', String(state.frame.peek()));
-  if (scope.peek() === 'workspace') asked.set('workspace', 'true');
-  for (const name of between) asked.append('between', name);
-  for (const x of looking.at() ?? []) asked.append('near', String(x));
-  return `${sequencePath(state.sequence.peek()!.id)}/doubt?${asked.toString()}`;
+  const query = new URLSearchParams({ classifier: id, format: 'stored', most: '1' });
+  if (scope.peek() === 'frame') query.set('frame', String(state.frame.peek()));
+  if (scope.peek() === 'workspace') query.set('workspace', 'true');
+  for (const name of between) query.append('between', name);
+  for (const x of looking.at() ?? []) query.append('near', String(x));
+  return `${sequencePath(state.sequence.peek()!.id)}/doubt?${query.toString()}`;
 }
 
 function goTo(place: Question): void {
@@ -258,7 +258,7 @@ export function showPlace(): void {
   const place = question.peek();
   if (!place || place.sequence !== state.sequence.peek()?.id) return;
   actions.time.seek(place.frame);
-  markedFrom.value = Math.max(LEAST_AWAY, RADII_AWAY * place.radius);
+  markedFrom.value = Math.max(MIN_VIEW_METRES, VIEW_RADII * place.radius);
   marked.value = [...place.centre];
 }
 

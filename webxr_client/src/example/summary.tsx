@@ -8,13 +8,13 @@ import { classifier, looking, predicted } from './store';
 
 /** `least` confidence, 0..1; `whole`: the frame on screen is all that changes. */
 export function Summary({ least, whole }: { least: number; whole: boolean }) {
-  const said = predicted.value;
+  const prediction = predicted.value;
   const { classes } = classifier.value!;
   const counts = state.counts.value;
-  const open = useMemo(() => said && looking.open?.(said), [said, counts]);
-  if (!said || !open) return <p class="soft">There is no prediction of this frame yet.</p>;
+  const open = useMemo(() => prediction && looking.open?.(prediction), [prediction, counts]);
+  if (!prediction || !open) return <p class="soft">There is no prediction of this frame yet.</p>;
   const tallies = talliesOf(
-    said,
+    prediction,
     classes.length,
     Math.round(least * 255),
     (point) => open[point] === 1,
@@ -35,7 +35,7 @@ export function Summary({ least, whole }: { least: number; whole: boolean }) {
           </li>
         ))}
       </ul>
-      <p class="soft">{stays(said, open, all.points)} One undo reverts everything.</p>
+      <p class="soft">{stays(prediction, open, all.points)} One undo reverts everything.</p>
     </div>
   ); // prettier-ignore
 }

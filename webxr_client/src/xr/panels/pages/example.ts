@@ -1,7 +1,7 @@
 /** Page of the palette for label by example: what is predicted, its doubts, applying it. */
 import type { Place as Question } from '../../../protocol/values';
 import { coloursOf, type Tally, talliesOf } from '../../../example/model';
-import { answerable, answerDoubt, applyPrediction, asking, classifier, classifiers, closeExample, exampleOpen, makeClassifier, natural, openExample, predicted, question, skipDoubt } from '../../../example/store'; // prettier-ignore
+import { answerable, answerDoubt, applyPrediction, isRequesting, classifier, classifiers, closeExample, exampleOpen, makeClassifier, natural, openExample, predicted, question, skipDoubt } from '../../../example/store'; // prettier-ignore
 import { percent, plural } from '../../../common/format';
 import { canEdit, state } from '../../../store/state';
 import { INK, type Ui } from '../../drawing/ui';
@@ -9,7 +9,7 @@ import { VIEWER } from './rows';
 
 /** Signals that the page shows. */
 export const EXAMPLE = [
-  exampleOpen, classifier, classifiers, predicted, question, natural, asking, canEdit,
+  exampleOpen, classifier, classifiers, predicted, question, natural, isRequesting, canEdit,
   answerable,
 ] as const; // prettier-ignore
 
@@ -57,7 +57,7 @@ function applyHere(): void {
 /** Return the reason why nothing can be learned yet, or "". */
 function lacks(): string {
   if (!canEdit.peek()) return VIEWER;
-  if (asking.peek() || classifiers.peek() === null) return 'Waiting for the server…';
+  if (isRequesting.peek() || classifiers.peek() === null) return 'Waiting for the server…';
   const painted = state.palette.peek().filter(({ id }) => (state.counts.peek().get(id) ?? 0) > 0);
   return painted.length > 1 ? '' : 'Paint points of two labels first.';
 }
@@ -72,7 +72,7 @@ function told(): string {
   if (!canEdit.peek()) return VIEWER;
   if (question.peek()) return 'Point at the piece and push the pad, or:';
   const { points = 0, unsure = 0 } = tally() ?? {};
-  if (asking.peek()) return 'Predicting…';
+  if (isRequesting.peek()) return 'Predicting…';
   if (points === 0) return 'No prediction in this frame yet';
   return `${plural(points, 'point')}, ${percent(unsure / points)} in doubt`;
 }
