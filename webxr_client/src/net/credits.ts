@@ -8,12 +8,12 @@ const MOST_WAITING = 6;
 export class Credits {
   /** Segments that the page has not taken in yet. */
   private waiting = 0;
-  private owed: Credit[] = [];
+  private pendingCredits: Credit[] = [];
   private pace: Pace = { points: null };
 
   /** Reset for a new connection: credits held back for the last one are void. */
   reset(): void {
-    this.owed = [];
+    this.pendingCredits = [];
   }
 
   /** The decoder is done with a frame; returns the credit to send, or null while the page lags. */
@@ -28,7 +28,7 @@ export class Credits {
     };
     // A page that is busy drawing takes segments in late; the link is not to blame for that.
     if (this.waiting <= MOST_WAITING) return credit;
-    this.owed.push(credit);
+    this.pendingCredits.push(credit);
     return null;
   }
 
@@ -36,7 +36,7 @@ export class Credits {
   applied(pace: Pace): Credit | null {
     this.pace = pace;
     this.waiting -= 1;
-    const credit = this.owed.shift();
+    const credit = this.pendingCredits.shift();
     return credit ? { ...credit, ...pace } : null;
   }
 

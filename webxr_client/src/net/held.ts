@@ -1,7 +1,7 @@
 /** Record of the sent parts of each frame, so that a new connection need not send them again. */
 import type { Annotation, Depth, Frame } from '../protocol/messages';
 
-interface Held {
+interface HeldFrame {
   /** Chunks from the first on. */
   chunks: number;
   /** The newest revision that the frame's labels include. */
@@ -9,7 +9,7 @@ interface Held {
 }
 
 export class HeldFrames {
-  private readonly frames = new Map<number, Held>();
+  private readonly frames = new Map<number, HeldFrame>();
 
   clear(): void {
     this.frames.clear();

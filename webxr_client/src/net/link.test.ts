@@ -15,8 +15,8 @@ class SlowWorker {
     this.sent.push(message);
   }
 
-  says(count: number, heard: number): void {
-    this.onmessage({ data: { t: 'pending', count, heard } });
+  says(count: number, received: number): void {
+    this.onmessage({ data: { t: 'pending', count, received } });
   }
 }
 
@@ -66,10 +66,10 @@ describe('what comes while the page still loads', () => {
     const link = new Link();
     SlowWorker.last.says(1, 0);
     SlowWorker.last.says(2, 0);
-    const heard: unknown[] = [];
-    link.listen((message) => heard.push('count' in message && message.count));
+    const received: unknown[] = [];
+    link.listen((message) => received.push('count' in message && message.count));
     SlowWorker.last.says(3, 0);
-    expect(heard).toEqual([1, 2, 3]);
+    expect(received).toEqual([1, 2, 3]);
     vi.unstubAllGlobals();
   });
 });

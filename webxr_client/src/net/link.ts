@@ -26,19 +26,19 @@ export class Link {
 
   private listener: ((message: FromWorker) => void) | null = null;
   /** Messages received before there was a listener. */
-  private readonly unheard: FromWorker[] = [];
+  private readonly undelivered: FromWorker[] = [];
 
   constructor() {
     this.decoder.onmessage = (event: MessageEvent<FromWorker>) => this.receive(event.data);
     const { port1, port2 } = new MessageChannel();
     this.post({ t: 'decoder', port: port1 }, [port1]);
-    this.tellDecoder({ t: 'socket', port: port2 }, [port2]);
+    this.postToDecoder({ t: 'socket', port: port2 }, [port2]);
   }
 
   /** Receive all messages, from the first one on. */
   listen(listener: (message: FromWorker) => void): void {
     this.listener = listener;
-    for (const message of this.unheard.splice(0)) listener(message);
+    for (const message of this.undelivered.splice(0)) listener(message);
   }
 
   connect(): void {
@@ -78,34 +78,34 @@ export class Link {
     this.free.push(...buffers);
     if (this.free.length <= MOST_FREE) return;
     const all = this.free.splice(0);
-    this.tellDecoder({ t: 'recycle', buffers: all }, all);
+    this.postToDecoder({ t: 'recycle', buffers: all }, all);
   }
 
   private receive(message: FromWorker): void {
     if (message.t !== 'pending') {
-      this.tell(message);
+      this.deliver(message);
       return;
     }
-    this.unanswered = message.count - message.heard;
+    this.unanswered = message.count - message.received;
     this.reportPending();
   }
 
   /** Count edits that the worker has not received yet: they have no answer either. */
   private reportPending(): void {
     const count = this.unanswered + this.begun;
-    this.tell({ t: 'pending', count, heard: this.begun });
+    this.deliver({ t: 'pending', count, received: this.begun });
   }
 
-  private tell(message: FromWorker): void {
+  private deliver(message: FromWorker): void {
     if (this.listener) this.listener(message);
-    else this.unheard.push(message);
+    else this.undelivered.push(message);
   }
 
   private post(message: ToWorker, transfer: Transferable[] = NOTHING): void {
     this.worker.postMessage(message, transfer);
   }
 
-  private tellDecoder(message: FromPage, transfer: Transferable[]): void {
+  private postToDecoder(message: FromPage, transfer: Transferable[]): void {
     this.decoder.postMessage(message, transfer);
   }
 }

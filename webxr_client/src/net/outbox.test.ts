@@ -32,14 +32,14 @@ describe('the outbox', () => {
     outbox.note('s', { type: 'undo', id: 'b' });
     stroke(outbox, 'c');
     outbox.settle('a');
-    const again = outbox.resend('s');
-    expect(again.map((message) => message.type)).toEqual([
+    const resent = outbox.resend('s');
+    expect(resent.map((message) => message.type)).toEqual([
       'undo',
       'stroke_begin',
       'stroke_samples',
       'stroke_end',
     ]);
-    expect(again[2]).toMatchObject({ samples: [{ origin: [0, 0, 0] }, { origin: [1, 0, 0] }] });
+    expect(resent[2]).toMatchObject({ samples: [{ origin: [0, 0, 0] }, { origin: [1, 0, 0] }] });
   });
 
   it('names the strokes that it keeps, as one would say them', () => {

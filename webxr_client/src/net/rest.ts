@@ -60,8 +60,8 @@ interface Problem {
 }
 
 function refusal(answer: Problem | null, title: string, status: number): ApiError {
-  const { title: said, detail, ...more } = answer ?? {};
-  return new ApiError(said ?? title, detail ?? '', status, more);
+  const { title: ownTitle, detail, ...more } = answer ?? {};
+  return new ApiError(ownTitle ?? title, detail ?? '', status, more);
 }
 
 async function problem(response: Response): Promise<ApiError> {

@@ -2,7 +2,7 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { decode, encode } from '../protocol/codec';
 import type { ClientMessage, SequenceInfo } from '../protocol/messages';
 import { Backoff } from './backoff';
-import { Session, type Outside, type Socket, type Told } from './session';
+import { Session, type Outside, type Socket, type SocketHandlers } from './session';
 import { MemoryStorage } from './storage';
 import type { ToDecoder } from './wire';
 
@@ -10,14 +10,14 @@ class Wire implements Socket {
   bufferedAmount = 0;
   readonly sent: ClientMessage[] = [];
 
-  constructor(private readonly told: Told) {}
+  constructor(private readonly handlers: SocketHandlers) {}
 
   opens(): void {
-    this.told.opened(this);
+    this.handlers.opened(this);
   }
 
   closes(code: number): void {
-    this.told.closed(this, { code, reason: '' });
+    this.handlers.closed(this, { code, reason: '' });
   }
 
   send(data: Uint8Array<ArrayBuffer>): void {
@@ -25,7 +25,7 @@ class Wire implements Socket {
   }
 
   says(message: object): void {
-    this.told.received(encode(message as never).slice().buffer);
+    this.handlers.received(encode(message as never).slice().buffer);
   }
 
   get types(): string[] {
@@ -40,8 +40,8 @@ class Browser implements Outside {
   refusal = '';
   later: (() => void) | null = null;
 
-  dial(told: Told): Socket {
-    this.sockets.push(new Wire(told));
+  dial(handlers: SocketHandlers): Socket {
+    this.sockets.push(new Wire(handlers));
     return this.wire;
   }
 

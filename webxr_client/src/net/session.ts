@@ -31,7 +31,7 @@ export interface Socket {
 }
 
 /** Events of a connection; `closed` comes last, also where it never opened. */
-export interface Told {
+export interface SocketHandlers {
   opened(socket: Socket): void;
   received(data: ArrayBuffer): void;
   closed(socket: Socket, event: Closing): void;
@@ -46,7 +46,7 @@ export interface Outside {
   /** Whether depth images can be decoded here; without it all frames come as points. */
   readonly depth: boolean;
   /** Begin to connect. */
-  dial(told: Told): Socket;
+  dial(handlers: SocketHandlers): Socket;
   /** Message with the reason why the server refuses a socket; empty if it does not. */
   whyRefused(): Promise<string>;
   post(message: ToDecoder, transfer?: Transferable[]): void;
@@ -92,7 +92,7 @@ export class Session {
   /** Messages that wait until the edits that an earlier page left are known; null once they are. */
   private queue: (() => void)[] | null = [];
   /** Edits that the page has begun. */
-  private heard = 0;
+  private received = 0;
 
   constructor(
     private readonly outside: Outside,
@@ -180,7 +180,7 @@ export class Session {
       if (!live) return;
     }
     if (isEdit(message)) {
-      if (begins(message)) this.heard += 1;
+      if (begins(message)) this.received += 1;
       const { identity } = this;
       if (identity !== null) this.outbox.note(identity, message);
       this.report();
@@ -207,7 +207,7 @@ export class Session {
 
   /** Send the page the number of edits without an answer. */
   private report(): void {
-    this.outside.post({ t: 'pending', count: this.outbox.size, heard: this.heard });
+    this.outside.post({ t: 'pending', count: this.outbox.size, received: this.received });
   }
 
   private get identity(): string | null {

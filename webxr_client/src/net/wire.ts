@@ -65,8 +65,8 @@ type Plain =
     }
   | { t: 'message'; message: PlainMessage }
   | { t: 'labels'; update: LabelUpdate }
-  /** Number of unanswered edits, when the worker had received `heard` edits. */
-  | { t: 'pending'; count: number; heard: number };
+  /** Number of unanswered edits, when the worker had received `received` edits. */
+  | { t: 'pending'; count: number; received: number };
 
 /** The socket's worker to the decoder. */
 export type ToDecoder =

@@ -4,7 +4,7 @@
  */
 import { SCHEMA_HASH, SUBPROTOCOL } from '../protocol/messages';
 import { supported } from './depth/kernel';
-import { Session, type Socket, type Told } from './session';
+import { Session, type Socket, type SocketHandlers } from './session';
 import { openStorage } from './storage';
 import type { Decoded, ToDecoder, ToWorker } from './wire';
 
@@ -13,12 +13,12 @@ let addresses: { readonly socket: string; readonly probe: string } | null = null
 /** The way to the page. */
 let decoder: MessagePort | null = null;
 
-function dial(told: Told): Socket {
+function dial(handlers: SocketHandlers): Socket {
   const socket = new WebSocket(addresses?.socket ?? '', SUBPROTOCOL);
   socket.binaryType = 'arraybuffer';
-  socket.onopen = () => told.opened(socket);
-  socket.onmessage = (event: MessageEvent<ArrayBuffer>) => told.received(event.data);
-  socket.onclose = (event) => told.closed(socket, event);
+  socket.onopen = () => handlers.opened(socket);
+  socket.onmessage = (event: MessageEvent<ArrayBuffer>) => handlers.received(event.data);
+  socket.onclose = (event) => handlers.closed(socket, event);
   return socket;
 }
 

@@ -7,7 +7,7 @@ it('serves the parts of a frame again from the memory of one before, in any orde
   const first = sizes.map((size) => pool.take(size));
   for (const order of [first, [...first].reverse()]) {
     for (const buffer of order) pool.give(buffer);
-    const again = [...sizes].reverse().map((size) => pool.take(size));
-    expect(again.every((buffer) => first.includes(buffer))).toBe(true);
+    const reused = [...sizes].reverse().map((size) => pool.take(size));
+    expect(reused.every((buffer) => first.includes(buffer))).toBe(true);
   }
 });

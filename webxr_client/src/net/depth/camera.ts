@@ -3,7 +3,7 @@ import type { Lattice } from '../../protocol/messages';
 import {
   ENTRIES,
   lowBytes,
-  TOKENS_TOLD,
+  TOKEN_VALUES,
   tokenBytes,
   writeEntries,
   type Numbers,
@@ -84,7 +84,7 @@ export class Camera {
     const count = this.kernel(
       ...[arrays.image.byteOffset, stride],
       ...[row, stop, column, width, down, across, half, Number(vertical)],
-      ...[arrays.entries.byteOffset, arrays.told.byteOffset],
+      ...[arrays.entries.byteOffset, arrays.tokenValues.byteOffset],
       ...[arrays.tokens.byteOffset, arrays.tokens.byteOffset + tokens.length],
       ...[arrays.low.byteOffset, 8 * low.length],
     );
@@ -102,7 +102,7 @@ function arraysOf(lattice: Lattice, bands: readonly Band[]) {
   return {
     image: new Uint16Array((width + margin) * (height + margin)),
     entries: new Uint32Array(ENTRIES),
-    told: TOKENS_TOLD,
+    tokenValues: TOKEN_VALUES,
     tokens: new Uint8Array(tokenBytes(most)),
     low: new Uint8Array(lowBytes(most)),
   };

@@ -49,7 +49,7 @@ export function lowBytes(pixels: number): number {
 }
 
 /** Of each token its value without low bits, and in the lowest five bits how many these are. */
-export const TOKENS_TOLD = Uint32Array.from({ length: TOKENS }, (_, token) => {
+export const TOKEN_VALUES = Uint32Array.from({ length: TOKENS }, (_, token) => {
   const code = token - 1 - DIRECT;
   if (code < 0) return Math.max(token - 1, 0) << 5;
   const bits = (code >> 2) + 2;

@@ -22,17 +22,17 @@ interface Golden {
   pictures: { width: number; nbytes: number; rgb_base64: string }[];
 }
 
-function golden(name: string): { data: Uint8Array; told: Golden; xyz: Float32Array } {
+function readGolden(name: string): { data: Uint8Array; golden: Golden; xyz: Float32Array } {
   const data = new Uint8Array(readFileSync(new URL(`depth_${name}.bin`, GOLDEN)));
   const text = readFileSync(new URL(`depth_${name}.json`, GOLDEN), 'utf8');
-  const told = JSON.parse(text) as Golden;
-  const bytes = new Uint8Array(Buffer.from(told.xyz_base64, 'base64'));
-  return { data, told, xyz: new Float32Array(bytes.buffer) };
+  const golden = JSON.parse(text) as Golden;
+  const bytes = new Uint8Array(Buffer.from(golden.xyz_base64, 'base64'));
+  return { data, golden, xyz: new Float32Array(bytes.buffer) };
 }
 
 /** Pictures as Pillow reads them: no browser is here to do it. */
-function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
-  const { width, rgb_base64 } = told.pictures.find(({ nbytes }) => nbytes === jpeg.length)!;
+function pictureOf(golden: Golden, jpeg: Uint8Array): Picture {
+  const { width, rgb_base64 } = golden.pictures.find(({ nbytes }) => nbytes === jpeg.length)!;
   const rgb = Buffer.from(rgb_base64, 'base64');
   const height = rgb.length / (3 * width);
   return {
@@ -46,8 +46,8 @@ function pictureOf(told: Golden, jpeg: Uint8Array): Picture {
 
 type View = Pick<Golden, 'lattice' | 'lo' | 'hi'>;
 
-function decoderOf(told: Golden, { lattice, lo, hi }: View = told): DepthDecoder {
-  const read = (jpeg: Uint8Array) => Promise.resolve(pictureOf(told, jpeg));
+function decoderOf(golden: Golden, { lattice, lo, hi }: View = golden): DepthDecoder {
+  const read = (jpeg: Uint8Array) => Promise.resolve(pictureOf(golden, jpeg));
   const decoder = new DepthDecoder(new BufferPool(1 << 20), read);
   decoder.open({ identity: 'i', lattice, lo, hi } as SequenceInfo);
   return decoder;
@@ -89,39 +89,39 @@ function positions(segment: Segment): number[][] {
 }
 
 describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name) => {
-  const { data, told, xyz } = golden(name);
+  const { data, golden, xyz } = readGolden(name);
 
   it('has every point where it is, in its order, whole and in parts', async () => {
     let whole: Uint16Array | null = null;
     for (const parts of [
-      [0, told.chunks.length],
-      [0, 1, 2, told.chunks.length],
+      [0, golden.chunks.length],
+      [0, 1, 2, golden.chunks.length],
     ]) {
-      const decoder = decoderOf(told);
+      const decoder = decoderOf(golden);
       const found: number[][] = [];
       let depths = new Uint16Array();
       for (let i = 0; i + 1 < parts.length; i++) {
-        const coming = decoder.receive(message(data, told, parts[i]!, parts[i + 1]!));
+        const coming = decoder.receive(message(data, golden, parts[i]!, parts[i + 1]!));
         const segment = await decoder.decode(coming);
         found.push(...positions(segment));
         depths = segment.image!.depths;
       }
       expect(depths).toEqual((whole ??= depths));
-      expect(found.length).toBe(told.count);
+      expect(found.length).toBe(golden.count);
       const off = found.map((at, i) =>
         Math.max(...at.map((value, side) => Math.abs(value - xyz[3 * i + side]!))),
       );
-      expect(Math.max(...off)).toBeLessThanOrEqual(told.position_error);
+      expect(Math.max(...off)).toBeLessThanOrEqual(golden.position_error);
     }
   });
 
   it.each([0, 1, 2].flatMap((axis) => [1, -1].map((sign) => ({ axis, sign }))))(
     'has every point in the box of a camera that looks along $axis times $sign',
     async ({ axis, sign }) => {
-      const lattice = { ...told.lattice, axis, sign };
+      const lattice = { ...golden.lattice, axis, sign };
       const { width, eye, unit, tangent, pitch } = lattice;
       const sides = [0, 1, 2].filter((side) => side !== axis);
-      const seen = told.pixels.map((pixel, i) => {
+      const seen = golden.pixels.map((pixel, i) => {
         const along = unit * Math.round((xyz[3 * i + 2]! - eye[2]) / unit);
         const at = [...eye];
         at[axis]! += sign * along;
@@ -135,8 +135,10 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
       // A box that is too small on both sides.
       const lo = extent(Math.min).map((value) => value + 0.05);
       const hi = extent(Math.max).map((value) => value - 0.05);
-      const decoder = decoderOf(told, { lattice, lo, hi } as unknown as View);
-      const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
+      const decoder = decoderOf(golden, { lattice, lo, hi } as unknown as View);
+      const all = await decoder.decode(
+        decoder.receive(message(data, golden, 0, golden.chunks.length)),
+      );
       const off = positions(all).map((at, i) =>
         Math.max(
           ...at.map((value, side) => {
@@ -146,14 +148,16 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
           }),
         ),
       );
-      expect(Math.max(...off)).toBeLessThanOrEqual(told.position_error);
+      expect(Math.max(...off)).toBeLessThanOrEqual(golden.position_error);
     },
   );
 
   it('has the colours of the finest picture that came', async () => {
-    const decoder = decoderOf(told);
-    const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
-    const finest = told.pictures.find(({ width }) => width === told.lattice.width)!;
+    const decoder = decoderOf(golden);
+    const all = await decoder.decode(
+      decoder.receive(message(data, golden, 0, golden.chunks.length)),
+    );
+    const finest = golden.pictures.find(({ width }) => width === golden.lattice.width)!;
     const rgb = Buffer.from(finest.rgb_base64, 'base64');
     const { bytes, step } = all.image!.colours!;
     expect(step).toBe(1);
@@ -161,16 +165,18 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
   });
 
   it('stamps each point with its chunk and the spacing of its level', async () => {
-    const decoder = decoderOf(told);
-    const all = await decoder.decode(decoder.receive(message(data, told, 0, told.chunks.length)));
+    const decoder = decoderOf(golden);
+    const all = await decoder.decode(
+      decoder.receive(message(data, golden, 0, golden.chunks.length)),
+    );
     const words = wordsOf(all);
     for (const { index, first, count } of all.chunks) {
-      const apart = Math.sqrt((told.lattice.width * told.lattice.height) / count);
+      const apart = Math.sqrt((golden.lattice.width * golden.lattice.height) / count);
       for (let i = 0; i < count; i += 7) {
         const stamp = words[index]![i * 6 + 5]!;
-        const depth = xyz[3 * (first + i) + 2]! - told.lattice.eye[2];
+        const depth = xyz[3 * (first + i) + 2]! - golden.lattice.eye[2];
         expect(stamp >> 6).toBe(index);
-        const ratio = spacingOf(stamp & 63) / (depth * told.lattice.pitch[0] * apart);
+        const ratio = spacingOf(stamp & 63) / (depth * golden.lattice.pitch[0] * apart);
         expect(ratio).toBeGreaterThan(0.9);
         expect(ratio).toBeLessThan(1.4);
       }
@@ -178,18 +184,18 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
   });
 
   it('gives no points of what does not join on, and reads on from the start', async () => {
-    const decoder = decoderOf(told);
-    await decoder.decode(decoder.receive(message(data, told, 0, 1)));
+    const decoder = decoderOf(golden);
+    await decoder.decode(decoder.receive(message(data, golden, 0, 1)));
     decoder.forget([3]);
-    const late = await decoder.decode(decoder.receive(message(data, told, 1, 2)));
+    const late = await decoder.decode(decoder.receive(message(data, golden, 1, 2)));
     expect(late.count).toBe(0);
-    const anew = await decoder.decode(decoder.receive(message(data, told, 0, 2)));
-    expect(anew.count).toBe(told.chunks[0]!.count + told.chunks[1]!.count);
+    const anew = await decoder.decode(decoder.receive(message(data, golden, 0, 2)));
+    expect(anew.count).toBe(golden.chunks[0]!.count + golden.chunks[1]!.count);
   });
 
   it('refuses bytes that are cut off', async () => {
-    const decoder = decoderOf(told);
-    const cut = message(data, told, 0, 1);
+    const decoder = decoderOf(golden);
+    const cut = message(data, golden, 0, 1);
     const chunk = { ...cut.chunks[0]!, nbytes: cut.chunks[0]!.nbytes - 200 };
     const decode = async () => decoder.decode(decoder.receive({ ...cut, chunks: [chunk] }));
     await expect(decode()).rejects.toThrow('depth');
