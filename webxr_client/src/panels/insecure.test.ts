@@ -15,7 +15,7 @@ describe('a headset’s browser', () => {
   });
 
   it('finds the same place over HTTPS', () => {
-    const here = 'http://192.168.0.7:8080/?token=secret&sequence=a&frame=3&view=1,2,3,4,5,6';
-    expect(securePage(here)).toBe('https://192.168.0.7:8080/?sequence=a&frame=3');
+    const page = 'http://192.168.0.7:8080/?token=secret&sequence=a&frame=3&view=1,2,3,4,5,6';
+    expect(securePage(page)).toBe('https://192.168.0.7:8080/?sequence=a&frame=3');
   });
 });

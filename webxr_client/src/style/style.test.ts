@@ -71,10 +71,10 @@ describe('the style of the page', () => {
 
   it('changes only at the windows that the tokens name', () => {
     const windows = [...read(TOKENS).matchAll(/--window-\w+: (\w+);/g)].map(([, size]) => size);
-    const asked = RULES.flatMap((path) =>
+    const widths = RULES.flatMap((path) =>
       [...read(path).matchAll(/@media[^{]*/g)].flatMap(([query]) => query.match(/\d+px/g) ?? []),
     );
-    expect(asked.filter((size) => !windows.includes(size))).toEqual([]);
+    expect(widths.filter((size) => !windows.includes(size))).toEqual([]);
   });
 
   it('moves no literal into components', () => {

@@ -23,9 +23,9 @@ beforeEach(() => {
   vi.stubGlobal('document', { baseURI: 'http://host/' });
   vi.stubGlobal('fetch', (url: string, { method, body }: RequestInit) => {
     const path = url.replace('http://host/api/v1/', '');
-    const told: unknown = body ? JSON.parse(body as string) : undefined;
-    if (method !== 'GET') sent.push([`${method} ${path}`, told]);
-    if (method === 'PATCH') kept = { ...kept, ...(told as object) };
+    const sentBody: unknown = body ? JSON.parse(body as string) : undefined;
+    if (method !== 'GET') sent.push([`${method} ${path}`, sentBody]);
+    if (method === 'PATCH') kept = { ...kept, ...(sentBody as object) };
     return Promise.resolve(Response.json(answer(method!, path)));
   });
   state.sequence.value = null;

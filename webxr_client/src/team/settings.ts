@@ -108,8 +108,10 @@ export async function deleteTask({ number }: Task): Promise<void> {
 export const loadWebhooks = (): Promise<void> =>
   attempt('The webhooks did not load', async () => {
     const found = await api<Webhook[]>('GET', place('/webhooks'));
-    const told = found.map(({ id }) => api<Delivery[]>('GET', place(`/webhooks/${id}/deliveries`)));
-    const events = await Promise.all(told);
+    const requests = found.map(({ id }) =>
+      api<Delivery[]>('GET', place(`/webhooks/${id}/deliveries`)),
+    );
+    const events = await Promise.all(requests);
     deliveries.value = new Map(found.map(({ id }, k) => [id, events[k]!]));
     webhooks.value = found;
   });

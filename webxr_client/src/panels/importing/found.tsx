@@ -15,8 +15,8 @@ export function onPage(words: string): string {
 
 /** Return whether matching by order is chosen, or suggested by a message of the server. */
 export function orderCounts({ options, error, found, labels }: ImportDraft): boolean {
-  const said = [error, ...(found?.warnings ?? []), ...(labels?.warnings ?? [])];
-  return options.by_order === true || said.some((words) => words.includes(BY_ORDER));
+  const messages = [error, ...(found?.warnings ?? []), ...(labels?.warnings ?? [])];
+  return options.by_order === true || messages.some((words) => words.includes(BY_ORDER));
 }
 
 export function Facts({ found }: { found: ImportPreview }) {

@@ -48,7 +48,7 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
     return sorted(matching(met, text), by, down);
   }, [sequences, found, text, by, down]);
   const groups = useMemo(() => grouped(rows, known), [rows, known]);
-  const sought = text !== '' || found !== null;
+  const isSearching = text !== '' || found !== null;
   const only = known.length === 1 && !hasTasks(groups) ? known[0]! : null;
   return (
     <>
@@ -57,19 +57,19 @@ export function Recordings({ sequences }: { sequences: readonly SequenceSummary[
         <RecordingSearch of={sequences} text={text} onInput={setText} />
         <Filter />
         <span class="soft number" role="status">
-          {sought && `${rows.length} found`}
+          {isSearching && `${rows.length} found`}
         </span>
         <span class="spacer" />
         {canManage.value && only && <SettingsButton project={only} />}
-        {canManage.value && <NewProject rows={sought ? rows : []} />}
+        {canManage.value && <NewProject rows={isSearching ? rows : []} />}
         {canManage.value && <ImportButton />}
         <NextWork of={projects.value} />
       </header>
       {named && (
         <Table
-          groups={groups.filter((group) => !sought || group.rows.length > 0)}
+          groups={groups.filter((group) => !isSearching || group.rows.length > 0)}
           headed={only === null}
-          sought={sought}
+          isSearching={isSearching}
         />
       )}
     </>
@@ -84,10 +84,10 @@ interface TableProps {
   groups: readonly Group[];
   /** Projects have heads. */
   headed: boolean;
-  sought: boolean;
+  isSearching: boolean;
 }
 
-function Table({ groups, headed, sought }: TableProps) {
+function Table({ groups, headed, isSearching }: TableProps) {
   const [box, sight] = useSight();
   let offset = 1;
   return (
@@ -95,7 +95,7 @@ function Table({ groups, headed, sought }: TableProps) {
       <Headings />
       {groups.length === 0 && <p class="home-none soft">No recording matches the search.</p>}
       {groups.map(({ project, rows }) => {
-        const shown = !headed || sought || !folded.value.has(project.id);
+        const shown = !headed || isSearching || !folded.value.has(project.id);
         const begin = offset + (headed ? 1 : 0);
         offset = begin + (shown ? Math.max(1, rows.length) : 0);
         return (

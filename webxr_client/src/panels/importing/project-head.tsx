@@ -83,12 +83,12 @@ function Progress({ tasks, rows }: ProgressProps) {
   const all = tasksOf(tasks);
   const frames = rows.reduce((sum, row) => sum + row.frames, 0);
   const labelled = rows.reduce((sum, row) => sum + row.labelled, 0);
-  const told = TASK_STATES.filter((kind) => tasks[kind])
+  const taskCounts = TASK_STATES.filter((kind) => tasks[kind])
     .map((kind) => `${tasks[kind]} ${TASK_WORDS[kind]}`)
     .join(', ');
   const words = all > 0 ? `${tasksOf(tasks, 'accepted')} of ${plural(all, 'task')}` : `${labelled} of ${plural(frames, 'frame')}`; // prettier-ignore
   return (
-    <span class="line small" data-tip={told || 'Frames with labels'}>
+    <span class="line small" data-tip={taskCounts || 'Frames with labels'}>
       <span class="soft number">{words}</span>
       <span class="progress states" aria-hidden="true">
         {all === 0 && <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />}

@@ -18,7 +18,7 @@ export function Welcome() {
   if (connection === 'refused') return <Refused detail={detail} />;
   if (state.opening.value !== null) return <Waiting text="Opening the recording…" />;
   if (sequences === null) {
-    return connection === 'offline' ? <Away detail={detail} /> : <Waiting text="Connecting…" />;
+    return connection === 'offline' ? <Offline detail={detail} /> : <Waiting text="Connecting…" />;
   }
   const empty = sequences.length === 0;
   return (
@@ -99,7 +99,7 @@ function Refused({ detail }: { detail: string }) {
   );
 }
 
-function Away({ detail }: { detail: string }) {
+function Offline({ detail }: { detail: string }) {
   return (
     <div class="center message" role="alert">
       <Icon name="offline" />

@@ -21,7 +21,7 @@ interface LabelMenuProps {
 
 export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
   const [confirm, setConfirm] = useState(false);
-  const [here, all] = lossOf(label.id);
+  const [inFrame, all] = lossOf(label.id);
   const remove = (): void => {
     onClose();
     void actions.labels.deleteLabel(label.id);
@@ -31,7 +31,7 @@ export function LabelMenu({ label, anchor, onClose }: LabelMenuProps) {
       {confirm ? (
         <div class="empty stack">
           <p>
-            {here} and {all} will lose the label “{label.name}”. This can be undone.
+            {inFrame} and {all} will lose the label “{label.name}”. This can be undone.
           </p>
           <div class="form-end">
             <Button label="Keep" onClick={onClose} />
@@ -151,7 +151,7 @@ interface LabelPartsProps {
 }
 
 function LabelParts({ label, onClose }: LabelPartsProps) {
-  const here = state.timeline.value.rows.get(label.id)?.points[state.frame.value] ?? 0;
+  const pointsInFrame = state.timeline.value.rows.get(label.id)?.points[state.frame.value] ?? 0;
   const others = state.palette.value.filter(({ id, locked }) => id !== label.id && !locked);
   const may = canEdit.value && !label.locked;
   return (
@@ -160,7 +160,7 @@ function LabelParts({ label, onClose }: LabelPartsProps) {
         icon="split"
         label="Split into parts"
         tip="Each separate part in this frame gets its own label"
-        disabled={!may || here === 0}
+        disabled={!may || pointsInFrame === 0}
         onClick={() => void actions.labels.splitLabel(label.id)}
       />
       <label class="menu-item">

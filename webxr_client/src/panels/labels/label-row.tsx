@@ -167,10 +167,10 @@ function ColorButton({ label }: { label: Label }) {
 
 /** Points in this frame over points in all frames, as explained in the head of the list. */
 function Counts({ id }: { id: number }) {
-  const { here, all } = pointsOf(id);
+  const { inFrame, all } = pointsOf(id);
   return (
     <span class="counts number" data-tip={lossOf(id).join(', ')}>
-      <b>{shortCount(here)}</b>
+      <b>{shortCount(inFrame)}</b>
       <span class="faint">{shortCount(all)}</span>
     </span>
   );

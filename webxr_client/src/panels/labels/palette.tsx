@@ -136,7 +136,7 @@ function NoLabels() {
   );
 }
 
-const labelledHere = computed(() => {
+const labelledInFrame = computed(() => {
   let labelled = 0;
   for (const row of state.timeline.value.rows.values()) {
     labelled += row.points[state.frame.value] ?? 0;
@@ -147,7 +147,7 @@ const labelledHere = computed(() => {
 function Unlabeled() {
   const { hideUnlabeled } = state.view.value;
   const total = state.sequence.value?.points[state.frame.value] ?? 0;
-  const left = Math.max(0, total - labelledHere.value);
+  const left = Math.max(0, total - labelledInFrame.value);
   return (
     <div class="unlabeled">
       <span class="swatch" />

@@ -24,7 +24,7 @@ export function RadioGroup<T extends string>(props: RadioGroupProps<T>) {
   const usable = options.filter(({ disabled }) => disabled !== true);
   const stop = usable.find((option) => option.value === value) ?? usable[0];
   return (
-    <div class={props.class} role="radiogroup" aria-label={props.label} onKeyDown={rove}>
+    <div class={props.class} role="radiogroup" aria-label={props.label} onKeyDown={moveFocus}>
       {options.map((option) => (
         <button
           key={option.value}
@@ -65,7 +65,7 @@ export function nextIndex(key: string, at: number, length: number): number | nul
 }
 
 /** Handler of the keys of a group of radios or tabs: arrows choose the next one. */
-export function rove(event: KeyboardEvent): void {
+export function moveFocus(event: KeyboardEvent): void {
   if (!focusedByKeys() || event.ctrlKey || event.altKey || event.metaKey) return;
   const group = event.currentTarget as HTMLElement;
   const radios = [

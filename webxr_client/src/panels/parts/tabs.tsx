@@ -1,5 +1,5 @@
 /** Tabs: the arrow keys go from one to the next. */
-import { rove } from './radio-group';
+import { moveFocus } from './radio-group';
 
 interface TabsProps<T extends string> {
   label: string;
@@ -14,7 +14,7 @@ export const tabId = (label: string, tab: string): string => `${label.toLowerCas
 
 export function Tabs<T extends string>({ label, tabs, chosen, onChoose }: TabsProps<T>) {
   return (
-    <div class="tabs" role="tablist" aria-label={label} onKeyDown={rove}>
+    <div class="tabs" role="tablist" aria-label={label} onKeyDown={moveFocus}>
       {tabs.map(([tab, words, count = 0]) => (
         <button
           key={tab}

@@ -125,13 +125,13 @@ const MOST_NAMED = 4;
 /** Strokes that the server did not take, by name. */
 function unsentText(unsent: readonly Unsent[]): string {
   if (unsent.length === 0) return '';
-  const told = unsent.slice(0, MOST_NAMED).map(({ frame, tool, label }) => {
+  const strokes = unsent.slice(0, MOST_NAMED).map(({ frame, tool, label }) => {
     const name = label ? state.palette.value.find(({ id }) => id === label)?.name : undefined;
     return `${name ?? tool} in frame ${frame}`;
   });
   const more = unsent.length > MOST_NAMED ? `, and ${unsent.length - MOST_NAMED} more` : '';
   return (
-    `${plural(unsent.length, 'stroke')} not sent: ${told.join(', ')}${more}. ` +
+    `${plural(unsent.length, 'stroke')} not sent: ${strokes.join(', ')}${more}. ` +
     'This browser keeps them and sends them when you open the recording with a valid link.'
   );
 }

@@ -55,9 +55,9 @@ export function TrackForm() {
   const last = (state.sequence.value?.frames ?? 1) - 1;
   const [start, setStart] = useState(frameRange.peek()?.from ?? state.frame.peek());
   const [stop, setStop] = useState(frameRange.peek()?.to ?? last);
-  const here = useComputed(() => labelsIn(start)).value;
-  const [chosen, setChosen] = useState<ReadonlySet<number>>(() => initial(here));
-  const labels = here.filter((id) => chosen.has(id));
+  const available = useComputed(() => labelsIn(start)).value;
+  const [chosen, setChosen] = useState<ReadonlySet<number>>(() => initial(available));
+  const labels = available.filter((id) => chosen.has(id));
   const submit = (event: Event): void => {
     event.preventDefault();
     actions.tracking.track({ labels, start, stop, ...choices.peek() });
@@ -66,13 +66,13 @@ export function TrackForm() {
   return (
     <form onSubmit={submit}>
       <h2>Track labels</h2>
-      <Painted frame={start} labels={here} chosen={chosen} onChange={setChosen} />
+      <Painted frame={start} labels={available} chosen={chosen} onChange={setChosen} />
       <div class="track-range line">
         <FrameField label="From" value={start} max={last} onChange={setStart} />
         <FrameField label="To" value={stop} max={last} onChange={setStop} />
         <span class="soft">{inWords(start, stop)}</span>
       </div>
-      <HowItGoes />
+      <RunOptions />
       <div class="form-end">
         <Button label="Cancel" onClick={close} />
         <Button
@@ -92,7 +92,7 @@ function inWords(start: number, stop: number): string {
 }
 
 /** The choices that every run has. */
-function HowItGoes() {
+function RunOptions() {
   const { method, overwrite } = choices.value;
   return (
     <>
@@ -158,9 +158,9 @@ export function labelsIn(frame: number): number[] {
     .map((label) => label.id);
 }
 
-function initial(here: readonly number[]): ReadonlySet<number> {
+function initial(available: readonly number[]): ReadonlySet<number> {
   const active = state.activeLabel.peek();
-  return new Set(here.includes(active) ? [active] : here);
+  return new Set(available.includes(active) ? [active] : available);
 }
 
 interface LabelCheckProps {
