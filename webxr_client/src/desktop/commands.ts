@@ -32,7 +32,7 @@ import { clip } from '../tools/clip';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { NOTE } from '../work/parts';
 import { accept, judged, nextReview, nextTask } from '../work/queue';
-import { judgeHere, stepFindings } from '../work/review';
+import { reviewFrame, stepFindings } from '../work/review';
 import { openWork } from '../work/store';
 import { key, KEYS, type KeyBinding } from './keys';
 
@@ -149,10 +149,10 @@ const MORE: readonly KeyBinding[] = [
     if (canReview.peek()) void actions.tracking.acceptFrame();
   }),
   key('ctrl+enter', 'Ctrl Enter', 'Work', 'Mark this frame as checked', () =>
-    judgeHere('accepted'),
+    reviewFrame('accepted'),
   ),
   key('ctrl+backspace', 'Ctrl Backspace', 'Work', 'Mark this frame as to be corrected', () =>
-    judgeHere('rejected'),
+    reviewFrame('rejected'),
   ),
   key('shift+n', 'Shift N', 'Work', 'Hand in my task and open the next', () => nextTask()),
   plain('Work', 'Review the next task', nextReview, reviews),

@@ -16,7 +16,7 @@ import type { Link } from '../net/link';
 import type { FromWorker } from '../net/wire';
 import type { Brush, ClientMessage } from '../protocol/messages';
 import { activeLabel as active, dismiss, isActive, state } from '../store/state';
-import { hiddenHere, seenIn } from '../tools/seen';
+import { locallyHiddenLabels, seenIn } from '../tools/seen';
 import { brushNow } from '../tools/brush';
 import { ObjectTool } from '../tools/object';
 import { RegionPreview } from '../tools/region';
@@ -101,7 +101,7 @@ export class Engine {
       send: this.send,
       locked: this.locked,
       seen: seenIn(this.viewer.palette),
-      hidden: hiddenHere,
+      hidden: locallyHiddenLabels,
       layers: () => layers.peek(),
       changed: this.changed,
       now: () => performance.now(),
@@ -212,7 +212,7 @@ export class Engine {
     watch([openedId], () => void loadCategories());
     follow(() => openBookmarks(state.sequence.value?.id ?? null));
     watch([state.tool], () => {
-      this.objects.retool(state.tool.peek());
+      this.objects.onToolChange(state.tool.peek());
       this.regions.leave();
     });
   }

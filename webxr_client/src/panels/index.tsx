@@ -1,7 +1,7 @@
 /** The desk's panels, around the canvas of `index.html`. */
 import { render, type ComponentChild } from 'preact';
 import { newLabel } from '../engine/labels/labels';
-import { listAsked, renaming } from '../store/palette-list';
+import { listOpen, renaming } from '../store/palette-list';
 import { state } from '../store/state';
 import { ImportDialog } from './importing/dialog';
 import { acceptDrops } from './importing/files';
@@ -43,7 +43,7 @@ export function mountPanels({ buttons, bars, dialogs }: MorePanels): () => void 
   const layout = follow(() => {
     const app = page.getElementById('app')!.classList;
     app.toggle('welcome', state.sequence.value === null);
-    app.toggle('listing', listAsked.value || newLabel.value !== null || renaming.value !== null);
+    app.toggle('listing', listOpen.value || newLabel.value !== null || renaming.value !== null);
     page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
   });
   const drops = acceptDrops();

@@ -34,7 +34,7 @@ function box(id: number, label: number, length = 4): ObjectBox {
   };
 }
 
-function tell(revision: number, some: ObjectBox[], removed: number[] = [], whole = false): void {
+function receive(revision: number, some: ObjectBox[], removed: number[] = [], whole = false): void {
   takeBoxes({ revision, boxes: some, removed, whole });
 }
 
@@ -43,16 +43,16 @@ const lengthOf = (id: number): number | undefined => boxes.peek().get(id)?.size[
 beforeEach(() => {
   forgetBoxes();
   state.activeLabel.value = 7;
-  tell(1, [box(1, 7), box(2, 7), box(3, 8)], [], true);
+  receive(1, [box(1, 7), box(2, 7), box(3, 8)], [], true);
 });
 
 describe('boxes', () => {
   it('are what the server told last', () => {
-    tell(3, [box(1, 7, 5)], [2]);
+    receive(3, [box(1, 7, 5)], [2]);
     expect([...boxes.peek().keys()]).toEqual([1, 3]);
-    tell(2, [box(1, 7, 4.5)]);
+    receive(2, [box(1, 7, 4.5)]);
     expect(lengthOf(1)).toBe(5);
-    tell(4, [box(9, 7)], [], true);
+    receive(4, [box(9, 7)], [], true);
     expect([...boxes.peek().keys()]).toEqual([9]);
   });
 
@@ -60,7 +60,7 @@ describe('boxes', () => {
     const answered = expectChange(1, { size: [6, 2, 1.5], poses: { 1: null, 2: POSE } });
     expect(lengthOf(1)).toBe(6);
     expect(Object.keys(boxes.peek().get(1)!.poses)).toEqual(['2']);
-    tell(2, [box(1, 7, 4.5)]);
+    receive(2, [box(1, 7, 4.5)]);
     expect(lengthOf(1)).toBe(6);
     answered();
     expect(lengthOf(1)).toBe(4.5);

@@ -30,7 +30,7 @@ export interface BoxPatch {
 }
 
 /** Changed boxes, and ids of removed boxes; `whole`: these are all boxes. */
-type Told = Omit<Fixed<Boxes>, 'type' | 'sequence'>;
+type BoxUpdate = Omit<Fixed<Boxes>, 'type' | 'sequence'>;
 
 interface Waiting {
   readonly id: number;
@@ -38,15 +38,15 @@ interface Waiting {
 }
 
 /** The server's last boxes, and the revision of each box. */
-const told = signal<ReadonlyMap<number, ObjectBox>>(new Map());
+const serverBoxes = signal<ReadonlyMap<number, ObjectBox>>(new Map());
 const revisions = new Map<number, number>();
 /** Changes on their way, oldest first; a null patch removes the box. */
 const waiting = signal<readonly Waiting[]>([]);
 
 /** Boxes by id, with the changes that are on their way. */
 export const boxes: ReadonlySignal<ReadonlyMap<number, ObjectBox>> = computed(() => {
-  if (waiting.value.length === 0) return told.value;
-  const now = new Map(told.value);
+  if (waiting.value.length === 0) return serverBoxes.value;
+  const now = new Map(serverBoxes.value);
   for (const { id, patch } of waiting.value) {
     const box = now.get(id);
     if (!box) continue;
@@ -91,8 +91,8 @@ export function patched(box: ObjectBox, { poses = {}, attributes, ...rest }: Box
 }
 
 /** Apply boxes from the server; ignore older states of a box. */
-export function takeBoxes({ revision, boxes: some, removed, whole }: Told): void {
-  const now = new Map(whole ? [] : told.peek());
+export function takeBoxes({ revision, boxes: some, removed, whole }: BoxUpdate): void {
+  const now = new Map(whole ? [] : serverBoxes.peek());
   if (whole) revisions.clear();
   for (const box of some) {
     if (revision < (revisions.get(box.id) ?? 0)) continue;
@@ -104,13 +104,13 @@ export function takeBoxes({ revision, boxes: some, removed, whole }: Told): void
     revisions.set(id, revision);
     now.delete(id);
   }
-  told.value = now;
+  serverBoxes.value = now;
 }
 
 /** No recording is open. */
 export function forgetBoxes(): void {
   revisions.clear();
-  told.value = new Map();
+  serverBoxes.value = new Map();
   waiting.value = [];
   picked.value = FOLLOWS;
 }

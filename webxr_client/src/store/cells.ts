@@ -32,8 +32,8 @@ export function nextUnlabelled(
   frames: number,
   direction: 1 | -1,
 ): number | null {
-  for (let away = 1; away < frames; away++) {
-    const frame = (((from + away * direction) % frames) + frames) % frames;
+  for (let distance = 1; distance < frames; distance++) {
+    const frame = (((from + distance * direction) % frames) + frames) % frames;
     if (rows.every((row) => row.points[frame] === 0)) return frame;
   }
   return null;

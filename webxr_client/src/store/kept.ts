@@ -1,9 +1,9 @@
 /** Small things kept in this browser; where its storage is switched off, until the page is left. */
 
-const here = new Map<string, string>();
+const fallback = new Map<string, string>();
 
 export function keep(key: string, value: string): void {
-  here.set(key, value);
+  fallback.set(key, value);
   try {
     localStorage.setItem(key, value);
   } catch {
@@ -14,8 +14,8 @@ export function keep(key: string, value: string): void {
 /** The value kept under a key, or null. */
 export function kept(key: string): string | null {
   try {
-    return localStorage.getItem(key) ?? here.get(key) ?? null;
+    return localStorage.getItem(key) ?? fallback.get(key) ?? null;
   } catch {
-    return here.get(key) ?? null;
+    return fallback.get(key) ?? null;
   }
 }

@@ -5,14 +5,14 @@
 import { notify } from './state';
 
 /** Most failures that are reported by one page. */
-const MOST_TOLD = 50;
-const told = new Set<string>();
+const MAX_REPORTS = 50;
+const reported = new Set<string>();
 
 /** Report a failure on the console and in a message, each kind of failure once. */
-export function tellFailure(error: unknown): void {
+export function reportFailure(error: unknown): void {
   const text = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
-  if (told.has(text) || told.size >= MOST_TOLD) return;
-  told.add(text);
+  if (reported.has(text) || reported.size >= MAX_REPORTS) return;
+  reported.add(text);
   console.error('A part of the page failed; the rest continues.', error);
   try {
     notify(
@@ -46,7 +46,7 @@ export class Listeners<A = void, B = void> {
       try {
         listener(a, b);
       } catch (error) {
-        tellFailure(error);
+        reportFailure(error);
       }
       // One that stopped itself has left its place to the next.
       if (list[i] === listener) i++;

@@ -6,7 +6,7 @@ import { state } from './state';
 /** Search words; the palette shows labels with all of them. */
 export const search = signal('');
 /** Whether the labels are open in a small window, where they lie over the picture. */
-export const listAsked = signal(false);
+export const listOpen = signal(false);
 /** Whether the person wants headings by category. */
 export const wantsGroups = signal(true);
 

@@ -1,6 +1,6 @@
 /** Signals: effects that run whenever they change, and never throw into their setters; reading one. */
 import { effect, type ReadonlySignal, untracked } from '@preact/signals';
-import { tellFailure } from './listeners';
+import { reportFailure } from './listeners';
 
 /** Run `run` now and whenever a signal that it reads changes; the result stops it. */
 export function follow(run: () => void): () => void {
@@ -8,7 +8,7 @@ export function follow(run: () => void): () => void {
     try {
       run();
     } catch (error) {
-      tellFailure(error);
+      reportFailure(error);
     }
   });
 }

@@ -5,7 +5,7 @@ import { clipBox } from './clip';
 import type { Brush } from '../protocol/messages';
 import { peek } from '../store/watch';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../store/state';
-import { hiddenHere } from './seen';
+import { locallyHiddenLabels } from './seen';
 import type { Way } from './ways';
 
 /** Return the reason why painting is not possible now, and a remedy; null if it is possible. */
@@ -38,7 +38,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
     only_unlabeled: onlyUnlabeled && way.name !== 'object',
     through: through && way.through,
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
-    hidden: hiddenHere(),
+    hidden: locallyHiddenLabels(),
     frames: framesAround(),
     clip: peek(clipBox),
   };

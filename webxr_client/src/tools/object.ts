@@ -63,7 +63,7 @@ interface Offer {
 }
 
 /** An object that was taken, and is refined by further clicks. */
-interface Taken extends Clicks {
+interface TakenObject extends Clicks {
   readonly frame: CloudFrame;
   /** The stroke that took it: the next one takes its place. */
   readonly edit: string;
@@ -76,8 +76,8 @@ interface Taken extends Clicks {
 
 export class ObjectTool {
   private offer: Offer | null = null;
-  private taken: Taken | null = null;
-  private asked: Question | null = null;
+  private taken: TakenObject | null = null;
+  private pending: Question | null = null;
   /** The newest place pointed at while an answer was awaited. */
   private waiting: Sample | null = null;
   private rest: (() => void) | null = null;
@@ -92,8 +92,8 @@ export class ObjectTool {
   hover(pointed: PointerSample): void {
     if (this.offer?.question.purpose === 'complete') return;
     const sample = this.sampleOf(pointed);
-    if (this.asked) {
-      if (this.asked.purpose === 'hover') this.waiting = sample;
+    if (this.pending) {
+      if (this.pending.purpose === 'hover') this.waiting = sample;
       return;
     }
     if (this.offer && samePlace(this.offer.question.positives.at(-1), sample)) return;
@@ -135,7 +135,7 @@ export class ObjectTool {
     if (taken && taken.frame === this.deps.frame()) {
       remove ||= taken.brush.tool === 'paint' && this.deps.brush()?.tool === 'erase';
       // A click that is not answered yet counts: the next one must not lose it.
-      const { positives, negatives } = this.asked?.purpose === 'take' ? this.asked : taken;
+      const { positives, negatives } = this.pending?.purpose === 'take' ? this.pending : taken;
       const clicks = remove
         ? { positives, negatives: [...negatives, sample] }
         : { positives: [...positives, sample], negatives };
@@ -143,8 +143,9 @@ export class ObjectTool {
       return;
     }
     if (remove) return;
-    const here = offer?.question.purpose === 'hover' && offer.question.frame === this.deps.frame();
-    if (here && samePlace(offer.question.positives[0], sample)) this.take(offer);
+    const isHovered =
+      offer?.question.purpose === 'hover' && offer.question.frame === this.deps.frame();
+    if (isHovered && samePlace(offer.question.positives[0], sample)) this.take(offer);
     else this.ask({ positives: [sample], negatives: [] }, 'take');
   }
 
@@ -174,7 +175,7 @@ export class ObjectTool {
   /** Whether levels are still to come: the wheel, which walks through them, does nothing else. */
   get waits(): boolean {
     if (state.connection.peek().state !== 'online') return false;
-    return preparation() !== null || (this.asked !== null && this.offer === null);
+    return preparation() !== null || (this.pending !== null && this.offer === null);
   }
 
   /** End the taken object: further clicks begin another one. */
@@ -183,7 +184,7 @@ export class ObjectTool {
     this.rest?.();
     this.rest = null;
     this.taken = null;
-    this.asked = null;
+    this.pending = null;
     this.waiting = null;
     this.replaces = null;
     this.drop();
@@ -191,22 +192,22 @@ export class ObjectTool {
   }
 
   /** Change of tool: brush and eraser refine the taken object, other tools end it. */
-  retool(tool: string): void {
+  onToolChange(tool: string): void {
     if (!this.taken || (tool !== 'paint' && tool !== 'erase')) this.end();
   }
 
   /** The link is back: questions on the old one get no answer. */
   restart(): void {
-    this.asked = null;
+    this.pending = null;
     this.waiting = null;
   }
 
   // ── the server's messages ──────────────────────────────────────────────────────────────────
 
   onCandidates(message: Candidates): void {
-    const question = this.asked;
+    const question = this.pending;
     if (question?.id !== message.id) return;
-    this.asked = null;
+    this.pending = null;
     this.dropOverlay();
     const candidates = message.candidates.map(({ id, runs }) => ({ id, indices: numbersOf(runs) }));
     const like = question.like && mostLike(candidates, question.like);
@@ -225,29 +226,29 @@ export class ObjectTool {
   /** A frame is prepared: ask again, because its candidates may be better now. */
   onPrepared(frame: number): void {
     const { offer } = this;
-    if (!offer || offer.ready || offer.question.frame.index !== frame || this.asked) return;
+    if (!offer || offer.ready || offer.question.frame.index !== frame || this.pending) return;
     const hovers = offer.question.purpose === 'hover' && !this.taken;
     if (hovers) this.ask(offer.question, 'hover', shownOf(offer));
     else {
       // Points taken stay as they are; the next click is answered from the whole frame.
       offer.ready = true;
-      this.tell();
+      this.publishState();
     }
   }
 
   /** Labels of a frame changed, and with them the candidates of a click there: ask again. */
   onLabels(frame: number): void {
-    const { asked, offer } = this;
-    const question = asked ?? offer?.question;
+    const { pending, offer } = this;
+    const question = pending ?? offer?.question;
     if (this.taken || question?.purpose !== 'hover' || question.frame.index !== frame) return;
-    if (asked) this.waiting ??= asked.positives[0]!;
+    if (pending) this.waiting ??= pending.positives[0]!;
     else this.ask(question, 'hover', shownOf(offer!));
   }
 
   /** The server refused a question or a stroke; true when it was ours and is asked again. */
   onError(about: string, status: number): boolean {
-    if (this.asked?.id === about) {
-      this.asked = null;
+    if (this.pending?.id === about) {
+      this.pending = null;
       this.drop();
       return false;
     }
@@ -278,7 +279,7 @@ export class ObjectTool {
     const brush = this.deps.brush() && (this.taken?.brush ?? this.deps.brush());
     if (!frame || !brush) return;
     const id = crypto.randomUUID();
-    this.asked = { id, frame, brush, purpose, like, previous, positives, negatives };
+    this.pending = { id, frame, brush, purpose, like, previous, positives, negatives };
     const message: Ask = {
       type: 'ask',
       id,
@@ -306,7 +307,7 @@ export class ObjectTool {
     if (replaced !== null) brush.replaces = replaced;
     this.replaces = null;
     // A preview still awaited would be laid over the points taken.
-    this.asked = null;
+    this.pending = null;
     this.waiting = null;
     this.dropOverlay();
     const [x, y, z] = this.deps.shift();
@@ -325,7 +326,7 @@ export class ObjectTool {
     const candidate = chosen.id;
     const tool = question.brush;
     this.taken = { frame, edit, candidate, previous, positives, negatives, brush: tool };
-    this.tell();
+    this.publishState();
     this.deps.changed();
   }
 
@@ -363,11 +364,11 @@ export class ObjectTool {
         : chosen.indices;
       frame.setOverlay(OVERLAY, { indices, values: this.previewOf(brush) });
     } else this.dropOverlay();
-    this.tell();
+    this.publishState();
     this.deps.changed();
   }
 
-  private tell(): void {
+  private publishState(): void {
     const { offer } = this;
     const shown = offer?.candidates[offer.level];
     const taken = this.taken !== null;
@@ -384,7 +385,7 @@ export class ObjectTool {
   private drop(): void {
     this.dropOverlay();
     this.offer = null;
-    this.tell();
+    this.publishState();
     this.deps.changed();
   }
 

@@ -17,7 +17,7 @@ import { Touched } from './touched';
 export type Locked = (label: number) => boolean;
 
 /** Shapes with points that the page finds itself. */
-const FOUND_HERE: ReadonlySet<string> = new Set(['sphere', 'ray', 'lasso', 'box']);
+const PREVIEWED_SHAPES: ReadonlySet<string> = new Set(['sphere', 'ray', 'lasso', 'box']);
 /** Most bytes of runs with which the page sends the points of a stroke. */
 const MOST_RUN_BYTES = 2 ** 20;
 /** Preview of a stroke that is still drawn or placed as one piece: shown until it is made. */
@@ -151,7 +151,8 @@ export class StrokePreview {
       new Part(name, id, of, layer, brush, locked, seen, shift, layer ? clipIn(layer, clip) : clip);
     const others = layers.map((layer, k) => part(`${id}:${k}`, layer.frame, layer));
     this.parts = [part(id, frame, null), ...others];
-    this.whole = FOUND_HERE.has(brush.shape ?? 'sphere') && this.parts.every((one) => one.whole);
+    this.whole =
+      PREVIEWED_SHAPES.has(brush.shape ?? 'sphere') && this.parts.every((one) => one.whole);
   }
 
   /** Points that the stroke would change, as far as they were shown. */

@@ -26,7 +26,7 @@ interface Question {
 }
 
 export class RegionPreview {
-  private asked: Question | null = null;
+  private pending: Question | null = null;
   private waiting: PointerSample | null = null;
   /** The question that was answered last, until the pointer leaves. */
   private answered: Question | null = null;
@@ -35,7 +35,7 @@ export class RegionPreview {
 
   /** The pointer is here; one question is on its way at a time. */
   hover(sample: PointerSample): void {
-    if (this.asked) {
+    if (this.pending) {
       this.waiting = sample;
       return;
     }
@@ -43,7 +43,7 @@ export class RegionPreview {
     const brush = this.deps.brush();
     if (!frame || !brush) return;
     const id = crypto.randomUUID();
-    this.asked = { id, frame, brush, sample };
+    this.pending = { id, frame, brush, sample };
     const samples = [sourceSample(sample, this.deps.shift())];
     this.deps.send({ type: 'ask', id, frame: frame.index, brush, samples });
   }
@@ -51,38 +51,38 @@ export class RegionPreview {
   /** The pointer left, or the click was made. */
   leave(): void {
     this.waiting = null;
-    this.asked = null;
+    this.pending = null;
     this.hide();
   }
 
   onCandidates(message: Candidates): void {
-    const { asked, waiting } = this;
-    if (asked?.id !== message.id) return;
-    this.asked = null;
+    const { pending, waiting } = this;
+    if (pending?.id !== message.id) return;
+    this.pending = null;
     this.waiting = null;
     this.hide();
     const region = message.candidates[0];
     if (region) {
-      const { frame, brush } = asked;
+      const { frame, brush } = pending;
       const value = brush.tool === 'paint' ? PREVIEW : brush.tool === 'delete' ? DELETED : 0;
       const indices = numbersOf(region.runs);
       frame.setOverlay(OVERLAY, { indices, values: Uint16Array.of(value) });
     }
-    this.answered = asked;
+    this.answered = pending;
     this.deps.changed();
     if (waiting) this.hover(waiting);
   }
 
   /** Labels of a frame changed, and with them the region of a press there: ask again. */
   onLabels(frame: number): void {
-    const { asked } = this;
-    if (asked?.frame.index === frame) this.waiting ??= asked.sample;
-    else if (!asked && this.answered?.frame.index === frame) this.hover(this.answered.sample);
+    const { pending } = this;
+    if (pending?.frame.index === frame) this.waiting ??= pending.sample;
+    else if (!pending && this.answered?.frame.index === frame) this.hover(this.answered.sample);
   }
 
   /** The server refused the question. */
   onError(about: string): void {
-    if (this.asked?.id === about) this.leave();
+    if (this.pending?.id === about) this.leave();
   }
 
   private hide(): void {

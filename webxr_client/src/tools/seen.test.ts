@@ -3,7 +3,7 @@ import { PaletteTexture } from '../cloud/picture/palette';
 import { DELETED } from '../cloud/points/piece';
 import type { Label } from '../protocol/messages';
 import { patch, state } from '../store/state';
-import { hiddenHere, seenIn } from './seen';
+import { locallyHiddenLabels, seenIn } from './seen';
 
 const label = (id: number, visible: boolean): Label =>
   ({ id, name: `${id}`, category: '', color: '#808080', locked: false, visible }); // prettier-ignore
@@ -27,14 +27,14 @@ describe('what one sees', () => {
   it('is all but deleted points and hidden labels', () => {
     show(null);
     expect([0, 1, 2, 3, DELETED].filter(seen)).toEqual([0, 1, 3]);
-    expect(hiddenHere()).toEqual([]);
+    expect(locallyHiddenLabels()).toEqual([]);
     expect([1, 2, 3].filter((id) => palette.isSpared(id))).toEqual([2]);
   });
 
   it('is one label when it is solo, and what is hidden for all stays hidden', () => {
     show(3);
     expect([0, 1, 2, 3].filter(seen)).toEqual([0, 3]);
-    expect(hiddenHere()).toEqual([1, 2]);
+    expect(locallyHiddenLabels()).toEqual([1, 2]);
     show(2);
     expect([0, 1, 2, 3].filter(seen)).toEqual([0]);
   });
@@ -43,6 +43,6 @@ describe('what one sees', () => {
     show(null);
     patch(state.view, { hideUnlabeled: true });
     expect([0, 1].filter(seen)).toEqual([1]);
-    expect(hiddenHere()).toEqual([0]);
+    expect(locallyHiddenLabels()).toEqual([0]);
   });
 });

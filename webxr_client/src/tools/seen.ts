@@ -14,7 +14,7 @@ export function seenIn(palette: PaletteTexture): Seen {
 }
 
 /** Labels that only this viewer hides, for the server to leave alone: 0 is points without one. */
-export function hiddenHere(): number[] {
+export function locallyHiddenLabels(): number[] {
   const solo = state.solo.peek();
   const others = solo === null ? [] : state.palette.peek().filter(({ id }) => id !== solo);
   const unlabeled = state.view.peek().hideUnlabeled ? [0] : [];

@@ -67,10 +67,10 @@ describe('a stroke', () => {
   it('paints what is laid over the frame as well, where it lies', () => {
     const over = frameOf(wall(40, 1000));
     // A metre to the right of where it is by itself.
-    const away = new Matrix4().makeTranslation(1, 0, 0);
+    const placement = new Matrix4().makeTranslation(1, 0, 0);
     const placed: PlacedFrame = {
       frame: over,
-      placed: away,
+      placed: placement,
       moving: new Map([[7, new Matrix4()]]),
     };
     over.setOverlay('old', { indices: Uint32Array.of(0, 1), values: Uint16Array.of(7) });

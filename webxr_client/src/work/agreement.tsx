@@ -179,16 +179,16 @@ function Places({ of, names }: PairProps) {
 function Difference({ group, names, of }: PairProps & { group: Group }) {
   const { places, has, points } = group;
   const [first] = places;
-  const here = copies.current.value?.key === group.key;
+  const isCurrent = copies.current.value?.key === group.key;
   const frames = places.length === 1 ? `frame ${first!.frame}` : plural(places.length, 'frame');
   const matches = has === null ? '' : ` · the recording matches ${names[has]}`;
   return (
     <Entry
       icon={ICONS[first!.kind]}
-      current={here}
+      current={isCurrent}
       about={`${frames} · ${shortCount(points)} points${matches}`}
       onClick={() => copies.visitGroup(group)}
-      actions={here && <Take group={group} names={names} of={of} />}
+      actions={isCurrent && <Take group={group} names={names} of={of} />}
     >
       {copies.wordsOf(first!, names)}
     </Entry>

@@ -36,8 +36,8 @@ export class Compared {
       return;
     }
     if (!frame?.complete || frame.large || state.playing.peek()) return;
-    const here = this.known.get(frame);
-    if (here) this.show(frame, here, what);
+    const comparison = this.known.get(frame);
+    if (comparison) this.show(frame, comparison, what);
     else this.timer = setTimeout(() => void this.fetch(frame), REST_MS);
   }
 

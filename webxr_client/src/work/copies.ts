@@ -107,16 +107,16 @@ export function wordsOf(place: Disagreement, [one, other]: readonly [string, str
 const path = (rest: string): string => `${projectPath(project.peek()?.id ?? '')}/${rest}`;
 
 /** Number of the last request: answers to earlier ones are dropped. */
-let asked = 0;
+let newestRequest = 0;
 
 export async function loadAgreement(): Promise<void> {
-  const [sequence, turn] = [original.peek(), ++asked];
+  const [sequence, turn] = [original.peek(), ++newestRequest];
   if (!sequence || !project.peek()) return;
   await attempt('The people were not compared', async () => {
     const query = new URLSearchParams({ sequence }).toString();
     const found = await api<Pair[]>('GET', path(`agreement?${query}`));
-    const told = await api<Score[]>('GET', path('scores'));
-    if (turn === asked) [pairs.value, scores.value] = [found, told];
+    const newScores = await api<Score[]>('GET', path('scores'));
+    if (turn === newestRequest) [pairs.value, scores.value] = [found, newScores];
   });
   if (!pair.peek()) await choose(chosenPair.peek());
 }

@@ -73,14 +73,14 @@ export function Findings() {
 }
 
 function Row({ finding }: { finding: Finding }) {
-  const here = finding.id === current.value;
+  const isCurrent = finding.id === current.value;
   return (
     <Entry
       icon={ICONS[finding.kind] ?? 'box'}
-      current={here}
+      current={isCurrent}
       about={framesOf(finding)}
       onClick={() => goToFinding(finding)}
-      actions={here && <Actions finding={finding} />}
+      actions={isCurrent && <Actions finding={finding} />}
     >
       {finding.text}
     </Entry>

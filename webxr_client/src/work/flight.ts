@@ -94,12 +94,12 @@ export class Flight {
   private draw(): void {
     const place = marked.peek();
     const { camera, canvas } = this.engine.viewer;
-    const there = place && this.room(place).project(camera);
-    const shown = there !== null && there.z < 1 && state.xr.peek().session !== 'running';
+    const projected = place && this.room(place).project(camera);
+    const shown = projected !== null && projected.z < 1 && state.xr.peek().session !== 'running';
     this.mark.hidden = !shown;
     if (!shown) return;
-    const x = ((there.x + 1) / 2) * canvas.clientWidth;
-    const y = ((1 - there.y) / 2) * canvas.clientHeight;
+    const x = ((projected.x + 1) / 2) * canvas.clientWidth;
+    const y = ((1 - projected.y) / 2) * canvas.clientHeight;
     this.mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
   }
 }

@@ -8,7 +8,7 @@ import { checks, forgetReview, loadStates, refreshReview } from './review';
 import { openWork, shows, workOpen } from './store';
 
 /** Interval of reloading tasks and states, because there are no messages of their changes. */
-const AGAIN_MS = 20_000;
+const RELOAD_MS = 20_000;
 /** Debounce of the search for findings after edits. */
 const PAUSE_MS = 1200;
 
@@ -31,7 +31,7 @@ function followEdits(): () => void {
   };
 }
 
-function again(): void {
+function reload(): void {
   const online = state.connection.peek().state === 'online';
   if (!online || !workOpen.peek() || !state.sequence.peek() || document.hidden) return;
   void loadTasks();
@@ -51,7 +51,7 @@ export function followWork(): () => void {
       if (workOpen.value && state.sequence.value) queueMicrotask(() => void loadTasks());
     }),
   ];
-  const timer = setInterval(again, AGAIN_MS);
+  const timer = setInterval(reload, RELOAD_MS);
   return () => {
     clearInterval(timer);
     for (const stop of stops) stop();

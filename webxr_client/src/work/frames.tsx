@@ -23,7 +23,7 @@ export function Frames() {
   return (
     <>
       <Strip />
-      <Here />
+      <FrameStanding />
       <Judge />
       <Notes />
       <Report />
@@ -67,23 +67,23 @@ function Strip() {
   );
 }
 
-function Here() {
+function FrameStanding() {
   const frame = state.frame.value;
-  const here = standingOf(overview.value, frame);
+  const standing = standingOf(overview.value, frame);
   return (
     <p>
       Frame {frame}:{' '}
-      <strong class="of-state" data-state={here?.state ?? 'open'}>
-        {STATE_WORDS[here?.state ?? 'open']}
+      <strong class="of-state" data-state={standing?.state ?? 'open'}>
+        {STATE_WORDS[standing?.state ?? 'open']}
       </strong>
-      {here?.by && <span class="soft"> · {here.by}</span>}
-      {here?.changed && (
+      {standing?.by && <span class="soft"> · {standing.by}</span>}
+      {standing?.changed && (
         <span data-state="review" class="of-state">
           {' '}
           · changed since
         </span>
       )}
-      {here?.assignee && <span class="soft"> · assigned to {here.assignee}</span>}
+      {standing?.assignee && <span class="soft"> · assigned to {standing.assignee}</span>}
     </p>
   );
 }

@@ -22,11 +22,11 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
   const [{ every, assignee, people }, set] = useState({ every: '', assignee: '', people: 1 });
   const change = (patch: object): void => set((before) => ({ ...before, ...patch }));
   const nameOf = (id: string) => (id === open?.id ? 'this recording' : (rowOf(id)?.name ?? id));
-  const here = recording === open?.id;
+  const isOpen = recording === open?.id;
   const last = Math.min(range.last, (open?.frames ?? 1) - 1);
   const submit = (event: Event): void => {
     event.preventDefault();
-    const frames = here ? `${range.first}:${last + 1}` : null;
+    const frames = isOpen ? `${range.first}:${last + 1}` : null;
     const recordings = recording ? [recording] : null;
     const wanted = { recordings, frames, every: Number(every) || null, assignee: assignee.trim(), people }; // prettier-ignore
     void addTasks(wanted, of.id).then(onMade);
@@ -44,7 +44,7 @@ export function MakeTasks({ of, open = null, onMade }: MakeTasksProps) {
           onChange={setRecording}
         />
       </label>
-      {here && <FrameRange first={range.first} last={last} onChange={setRange} />}
+      {isOpen && <FrameRange first={range.first} last={last} onChange={setRange} />}
       <div class="halves">
         <Field
           label="Frames per task"

@@ -44,9 +44,9 @@ it('says frames in words', () => {
 });
 
 it('finds how a frame stands, not a label in it', () => {
-  const told = overview(standing(0, 9, { label: 2 }), standing(4, 6, { state: 'rejected' }));
-  expect(standingOf(told, 5)?.state).toBe('rejected');
-  expect(standingOf(told, 7)).toBeNull();
+  const loaded = overview(standing(0, 9, { label: 2 }), standing(4, 6, { state: 'rejected' }));
+  expect(standingOf(loaded, 5)?.state).toBe('rejected');
+  expect(standingOf(loaded, 7)).toBeNull();
 });
 
 it('accepts each label of a finding, or its frames', () => {

@@ -44,8 +44,9 @@ export function goTo(sequence: string, frame: number, place: Place | null = null
 /** Fly to the goal once its recording has a view: a flight before that would be undone. */
 export function arrive(): void {
   const { value } = goal;
-  const here = value && state.opening.value === null && state.sequence.value?.id === value.sequence;
-  if (!here || !state.framed.value) return;
+  const isArrived =
+    value && state.opening.value === null && state.sequence.value?.id === value.sequence;
+  if (!isArrived || !state.framed.value) return;
   queueMicrotask(() => {
     if (goal.peek() !== value || !state.framed.peek()) return;
     goal.value = null;

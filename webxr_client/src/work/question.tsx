@@ -6,22 +6,22 @@ import { question, taskWords } from './queue';
 const YES = 'yes';
 
 export function HandInQuestion() {
-  const asked = state.xr.value.session === 'running' ? null : question.value;
-  const dialog = useModal(asked !== null);
-  if (!asked) return null;
+  const shown = state.xr.value.session === 'running' ? null : question.value;
+  const dialog = useModal(shown !== null);
+  if (!shown) return null;
   return (
     <dialog
       ref={dialog}
       class="card question"
       aria-labelledby="hand-in-question"
-      onClose={() => asked.answer(dialog.current?.returnValue === YES)}
+      onClose={() => shown.answer(dialog.current?.returnValue === YES)}
       onKeyDown={(event) => event.stopPropagation()}
     >
       <form class="stack" method="dialog">
         <h2 class="title" id="hand-in-question">
           Hand in without changes?
         </h2>
-        <p>You have not changed anything in {taskWords(asked.task)} since you got this task.</p>
+        <p>You have not changed anything in {taskWords(shown.task)} since you got this task.</p>
         <div class="line">
           <button class="button primary">Keep working</button>
           <button class="button outlined" value={YES}>

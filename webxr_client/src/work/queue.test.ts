@@ -37,13 +37,13 @@ beforeEach(() => {
     const sent: unknown = body ? JSON.parse(body as string) : undefined;
     if (method !== 'GET') calls.push([`${method} ${path}`, sent]);
     const number = Number(path.split('/').at(-1));
-    const told =
+    const reply =
       method === 'PATCH' ? { ...task(number), ...(sent as object) }
       : method === 'POST' ? next
       : path.includes('/edits') ? edits
       : path.endsWith('/history') ? events
       : path === 'projects' ? [night] : tasks.peek(); // prettier-ignore
-    return Promise.resolve(Response.json(told));
+    return Promise.resolve(Response.json(reply));
   });
   bindActions({
     time: { seek },

@@ -148,9 +148,9 @@ export const release = (task: Task): Promise<boolean> => change(task, { state: '
 /** Return a task with a note, at the place given or at the one in the middle of the picture. */
 export function giveBack(task: Task, note: string, pinned: Place | null): Promise<boolean> {
   const frame = state.frame.peek();
-  const here = state.sequence.peek()?.id === task.sequence;
+  const isOpen = state.sequence.peek()?.id === task.sequence;
   const place = pinned ?? looking.at();
-  const within = here && task.first <= frame && frame <= task.last;
+  const within = isOpen && task.first <= frame && frame <= task.last;
   const pin = place && within ? { frame, place } : {};
   return change(task, { state: 'returned', note, ...pin });
 }

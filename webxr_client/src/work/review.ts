@@ -92,7 +92,7 @@ export async function judge(kind: ReviewState): Promise<boolean> {
 }
 
 /** Set the state of the frame on screen; one to be corrected needs a note. */
-export async function judgeHere(kind: 'accepted' | 'rejected'): Promise<void> {
+export async function reviewFrame(kind: 'accepted' | 'rejected'): Promise<void> {
   if (!canReview.peek()) {
     notify('info', 'Only reviewers can check frames');
     return;

@@ -26,7 +26,7 @@ function isKnown({ id, name, category }: Label, own: readonly Label[]): boolean 
 }
 
 /** Labels of two copies that the recording does not have, the first's before the second's. */
-function strangers(first: readonly Label[], second: readonly Label[], own: readonly Label[]) {
+function foreignLabels(first: readonly Label[], second: readonly Label[], own: readonly Label[]) {
   return [first, second].map((palette) => palette.filter((label) => !isKnown(label, own)));
 }
 
@@ -37,7 +37,7 @@ export function coloursOf(
   own: readonly Label[],
   theme: keyof typeof REST,
 ): readonly string[] {
-  const more = strangers(first, second, own).flat();
+  const more = foreignLabels(first, second, own).flat();
   return [...DIFFERENCES, REST[theme], ...more.map(({ color }) => color)];
 }
 
@@ -52,7 +52,7 @@ export function idsOf(
   if (what === 'difference') return differences(first, second, base);
   const at = what === 'second' ? 1 : 0;
   const shown = at === 0 ? first : second;
-  const more = strangers(first.palette, second.palette, own);
+  const more = foreignLabels(first.palette, second.palette, own);
   const before = base + OWN + (at === 0 ? 0 : more[0]!.length);
   const to = new Map(more[at]!.map(({ id }, k) => [id, before + k]));
   return shown.labels.map((label) => to.get(label) ?? label);

@@ -22,7 +22,7 @@ export const difference = signal<{
 } | null>(null);
 
 /** Answers to earlier questions are of no interest. */
-let asked = 0;
+let newestRequest = 0;
 
 function path(rest = ''): string {
   return `${projectPath(project.peek()?.id ?? '')}/snapshots${rest}`;
@@ -45,14 +45,14 @@ export const createSnapshot = (name: string): Promise<boolean> =>
 
 /** Find the difference of a snapshot and another one, or ("") the labels of now. */
 export async function compare(snapshot: Snapshot, other = ''): Promise<void> {
-  const turn = ++asked;
+  const turn = ++newestRequest;
   compared.value = snapshot;
   difference.value = null;
   await attempt('The snapshots were not compared', async () => {
     const query = other ? `?with=${encodeURIComponent(other)}` : '';
     const rest = `/${encodeURIComponent(snapshot.id)}/difference${query}`;
     const found = await api<Difference[]>('GET', path(rest));
-    if (turn === asked) difference.value = { with: other, found };
+    if (turn === newestRequest) difference.value = { with: other, found };
   });
 }
 

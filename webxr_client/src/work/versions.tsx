@@ -26,15 +26,15 @@ export function Versions() {
       {versions.snapshots.value.length === 0 && <p class="soft empty">No snapshots yet.</p>}
       <ul class="entries">
         {versions.snapshots.value.map((each) => {
-          const here = each.id === versions.compared.value?.id;
+          const isCompared = each.id === versions.compared.value?.id;
           const held = plural(Object.keys(each.recordings).length, 'recording');
           return (
             <Entry
               key={each.id}
-              current={here}
+              current={isCompared}
               about={`${day(each.created)} · ${each.author} · ${held}`}
               onClick={() => void versions.compare(each)}
-              actions={here && <Actions snapshot={each} />}
+              actions={isCompared && <Actions snapshot={each} />}
             >
               {each.name}
             </Entry>

@@ -1,7 +1,7 @@
 /** The picture: renderer, scene, and the GPU slots that frames are shown from. */
 import { Box3, Group, type PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three'; // prettier-ignore
 import type { SequenceInfo } from '../../protocol/messages';
-import { Listeners, tellFailure } from '../../store/listeners';
+import { Listeners, reportFailure } from '../../store/listeners';
 import { state, type ViewSettings } from '../../store/state';
 import { Afterwards } from './afterwards';
 import { Backdrop } from './backdrop';
@@ -327,7 +327,7 @@ export class Viewer {
       if (presenting) this.drawHeadset();
       else this.drawDesk();
     } catch (error) {
-      tellFailure(error);
+      reportFailure(error);
     }
   }
 

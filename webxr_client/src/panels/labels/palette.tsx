@@ -10,7 +10,7 @@ import { count, plural } from '../../common/format';
 import { LabelRow } from './label-row';
 import {
   canGroup,
-  listAsked,
+  listOpen,
   listed,
   search,
   shownGroups,
@@ -41,7 +41,7 @@ export function Palette() {
           tip="Close the labels"
           small
           class="sheet-part"
-          onClick={() => (listAsked.value = false)}
+          onClick={() => (listOpen.value = false)}
         />
       </div>
       {palette.length > 0 && <PaletteSearch />}
@@ -171,7 +171,7 @@ const FIELD = 'label-search';
 
 /** Put the cursor into the search. */
 export function openSearch(): void {
-  listAsked.value = true;
+  listOpen.value = true;
   const field = document.getElementById(FIELD) as HTMLInputElement | null;
   field?.focus();
   field?.select();

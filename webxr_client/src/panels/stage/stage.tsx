@@ -10,7 +10,7 @@ import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';
 import { ClipSign } from './clip';
 import { Button, Swatch } from '../parts/controls';
-import { listAsked } from '../../store/palette-list';
+import { listOpen } from '../../store/palette-list';
 import { plural, metres, shortCount } from '../../common/format';
 import { dropping } from '../importing/files';
 import { Icon } from '../../common/icons';
@@ -179,8 +179,8 @@ function LabelsButton() {
       type="button"
       class="button sheet-part"
       aria-label={label ? `Labels: ${label.name}` : 'Labels'}
-      aria-expanded={listAsked.value}
-      onClick={() => (listAsked.value = !listAsked.value)}
+      aria-expanded={listOpen.value}
+      onClick={() => (listOpen.value = !listOpen.value)}
     >
       {label && <Swatch color={label.color} />}
       <span class="name">{label?.name ?? 'Labels'}</span>
