@@ -13,7 +13,7 @@ import { marked, markedFrom, RISE } from '../work/places';
 import { Buttons } from './input/buttons';
 import { answersAt } from './painting/answers';
 import { Cues } from './painting/cues';
-import { Feelings, LEVEL_TICK, type Pulse as Haptic } from './input/haptics';
+import { EventHaptics, LEVEL_TICK, type Pulse as Haptic } from './input/haptics';
 import { Hud } from './panels/hud';
 import { followInterruptions } from './interruptions';
 import { Locomotion } from './moving/locomotion';
@@ -63,7 +63,7 @@ export class Cockpit {
   private readonly tipSign: TipSign;
   private readonly scale: RoomScale;
   private readonly presence: Presence;
-  private readonly feelings: Feelings;
+  private readonly feelings: EventHaptics;
   private readonly pulse: Pulse;
   private readonly undo: (() => void)[] = [];
   private readonly parts = new Listeners<number>();
@@ -84,9 +84,9 @@ export class Cockpit {
   ) {
     const { viewer } = engine;
     this.place = new Place(viewer);
-    const feel = (strength: number, ms: number): void =>
+    const pulseBrush = (strength: number, ms: number): void =>
       this.cues.give(this.brush, this.painter, strength, ms);
-    this.painter = new Painter(engine, this.place, feel);
+    this.painter = new Painter(engine, this.place, pulseBrush);
     this.pointers = new Pointers(session, poses, this.rig, viewer.scene, this.lessons, {
       brushGone: () => this.painter.finish(),
       say: (text) => this.hud.say(text),
@@ -102,18 +102,19 @@ export class Cockpit {
       recentre: () => this.stand(),
       go: () => this.locomotion.ask(),
     });
-    const feelPulse = ({ strength, milliseconds }: Haptic): void => feel(strength, milliseconds);
-    this.tipSign = new TipSign(() => feelPulse(LEVEL_TICK));
+    const sendPulse = ({ strength, milliseconds }: Haptic): void =>
+      pulseBrush(strength, milliseconds);
+    this.tipSign = new TipSign(() => sendPulse(LEVEL_TICK));
     this.buttons = new Buttons(this.lessons, () => this.panels.toggleTimeline());
     this.upDown = new UpDown({
       answers: (hand) => answersAt(this.place, hand),
-      marked: () => feelPulse(LEVEL_TICK),
-      taken: ({ device }) => this.lessons.done('label', device),
+      marked: () => sendPulse(LEVEL_TICK),
+      taken: ({ device }) => this.lessons.markDone('label', device),
       level: (step) => this.painter.stepLevel(step),
     });
     this.ring = new LabelRing(this.upDown);
     this.presence = new Presence(engine.link, viewer.afterwards);
-    this.feelings = new Feelings(feelPulse);
+    this.feelings = new EventHaptics(sendPulse);
     this.pulse = new Pulse(viewer.uniforms, this.panels.palette);
     this.assemble();
     this.listen();
@@ -211,7 +212,7 @@ export class Cockpit {
     parts.add(() => this.go());
     parts.add((now) => this.paint(now));
     parts.add(() => this.feelings.update());
-    parts.add((now) => this.tellOthers(now));
+    parts.add((now) => this.sendPresence(now));
     parts.add(() => this.engine.viewer.backdrop.follow(this.rig.head));
     for (const panel of this.panels.all) parts.add((now) => panel.update(now));
     parts.add((now) => this.pulse.update(now));
@@ -276,7 +277,7 @@ export class Cockpit {
       this.pointers.holds(other, busy, was) ? other!.place : null,
       this.pointers.holds(brush, busy, was) ? brush!.place : null,
     );
-    if (this.grab.active && !was) this.lessons.done('grab', (other ?? brush)!.device);
+    if (this.grab.active && !was) this.lessons.markDone('grab', (other ?? brush)!.device);
     // The sphere keeps its size in the hand.
     if (grown !== 1) actions.tools.setRadius(peek(state.brush).radius / grown);
   }
@@ -300,7 +301,7 @@ export class Cockpit {
     this.jumps = this.rig.jumps;
     this.painter.update(brush, other, this.rig.head, blocked, now);
     this.painter.completion.update(this.pointing(brush) || !this.panels.palette.folded, now);
-    if (brush && this.painter.painting && !before) this.lessons.done('paint', brush.device);
+    if (brush && this.painter.painting && !before) this.lessons.markDone('paint', brush.device);
   }
 
   /** End the stroke and ignore presses until their release, as the targets have moved. */
@@ -309,7 +310,7 @@ export class Cockpit {
     this.pointers.disarm();
   }
 
-  private tellOthers(now: number): void {
+  private sendPresence(now: number): void {
     const { rig, painter, pointers } = this;
     this.presence.update(now, rig, pointers, painter.tip, this.engine.viewer.world);
   }
@@ -317,7 +318,7 @@ export class Cockpit {
   dispose(): void {
     const { viewer } = this.engine;
     for (const run of this.undo) run();
-    this.presence.gone();
+    this.presence.leave();
     this.painter.dispose();
     this.feelings.dispose();
     this.cues.dispose();

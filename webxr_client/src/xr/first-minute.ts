@@ -50,16 +50,16 @@ class Walk {
     const label = activeLabel.peek();
     this.stops = [
       cockpit.hang(panel),
-      strokes.results.add(({ changed }) => changed > 0 && this.done('paint')),
-      strokes.begins.add(({ brush }) => brush.shape === 'object' && this.done('object')),
-      watch([activeLabel], () => activeLabel.peek() !== label && this.done('label')),
-      watch([playing], () => playing.peek() && this.done('play')),
-      watch([trackingJob], () => trackingJob.peek() !== null && this.done('panel')),
+      strokes.results.add(({ changed }) => changed > 0 && this.complete('paint')),
+      strokes.begins.add(({ brush }) => brush.shape === 'object' && this.complete('object')),
+      watch([activeLabel], () => activeLabel.peek() !== label && this.complete('label')),
+      watch([playing], () => playing.peek() && this.complete('play')),
+      watch([trackingJob], () => trackingJob.peek() !== null && this.complete('panel')),
     ];
     this.go(0);
   } // prettier-ignore
 
-  private done(lesson: Lesson): void {
+  private complete(lesson: Lesson): void {
     if (this.step.lesson === lesson) this.go(STEPS.indexOf(this.step) + 1);
   }
 

@@ -40,7 +40,7 @@ export class Headset {
   private leaving = false;
   /** An offer stands in the browser's own bar. */
   private offered = false;
-  private unfollow: (() => void) | null = null;
+  private unsubscribe: (() => void) | null = null;
   /** Reason why the session that ends now could not begin. */
   private trouble = '';
   /** Pose of the desk's camera before, and its near and far plane. */
@@ -79,8 +79,9 @@ export class Headset {
 
   /** Query the browser's supported modes. */
   private async look(xr: XRSystem): Promise<void> {
-    const asks = (mode: Mode): Promise<boolean> => xr.isSessionSupported(mode).catch(() => false);
-    const [vr, ar] = await Promise.all([asks('immersive-vr'), asks('immersive-ar')]);
+    const isSupported = (mode: Mode): Promise<boolean> =>
+      xr.isSessionSupported(mode).catch(() => false);
+    const [vr, ar] = await Promise.all([isSupported('immersive-vr'), isSupported('immersive-ar')]);
     const supported = vr || ar;
     const enters = ar && !vr ? 'AR' : 'VR';
     const detail = supported ? '' : NO_HEADSET;
@@ -152,7 +153,7 @@ export class Headset {
     const poses = new Poses(await session.requestReferenceSpace('viewer'));
     // It may have ended while it began.
     if (this.session !== session) return;
-    this.unfollow = this.followEdges();
+    this.unsubscribe = this.followEdges();
     this.cockpit = new Cockpit(this.engine, session, poses, floor, mode);
     // At the desk one may have been looking about; here one walks.
     if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
@@ -197,8 +198,8 @@ export class Headset {
   private ended(): void {
     const { viewer, pacing } = this.engine;
     this.session = null;
-    this.unfollow?.();
-    this.unfollow = null;
+    this.unsubscribe?.();
+    this.unsubscribe = null;
     this.cockpit?.dispose();
     this.cockpit = null;
     const { position, quaternion, scale } = viewer.camera;

@@ -27,7 +27,7 @@ export function followInterruptions(
   space?.addEventListener('reset', moved);
   // Another recording lies elsewhere: one stands before it once its first frame is there.
   let open = peek(state.sequence)?.id;
-  const unfollow = follow(() => {
+  const unsubscribe = follow(() => {
     const { value } = state.sequence;
     if (value && value.id !== open) moved();
     open = value?.id ?? open;
@@ -35,6 +35,6 @@ export function followInterruptions(
   return () => {
     session.removeEventListener('visibilitychange', seen);
     space?.removeEventListener('reset', moved);
-    unfollow();
+    unsubscribe();
   };
 }

@@ -23,9 +23,9 @@ export class Body {
   private readonly model: Model | null;
   private readonly ray = new Ray();
   /** The fingertip's press: it must come from before the panel. */
-  private readonly poke = new Switch();
+  private readonly touchSwitch = new Switch();
   private before: Panel | null = null;
-  private poking = false;
+  private isTouching = false;
   /** The part that its words are for. */
   private explained: Part | null = null;
   /** Seconds for which it has been out of sight. */
@@ -68,10 +68,10 @@ export class Body {
     const { pointer } = this;
     const free = pointer.tracked && !painter?.painting;
     const poked = free && pointer.hasFingertip ? this.poked(panels) : null;
-    if (this.poking && !poked) this.leave();
-    this.poking = poked !== null;
+    if (this.isTouching && !poked) this.leave();
+    this.isTouching = poked !== null;
     const nearest = poked ?? (free ? this.nearest(panels, false) : null);
-    const touch = this.poke.update(poked ? this.touchOf(poked) : 0);
+    const touch = this.touchSwitch.update(poked ? this.touchOf(poked) : 0);
     if (this.on !== nearest) this.leave();
     this.on = nearest;
     if (nearest?.point(poked ? touch : pointer.edge.click, this)) {
@@ -82,7 +82,7 @@ export class Body {
 
   /** The panel carried by its ray; a fingertip cannot release a panel that follows it. */
   get carries(): Panel | null {
-    return !this.poking && this.on?.carried === true ? this.on : null;
+    return !this.isTouching && this.on?.carried === true ? this.on : null;
   }
 
   private leave(): void {
@@ -90,15 +90,15 @@ export class Body {
     this.on = null;
   }
 
-  /** The panel that the fingertip is at (`poking`), or that the ray meets first. */
-  private nearest(panels: readonly Panel[], poking: boolean): Panel | null {
+  /** The panel that the fingertip is at (`isTouching`), or that the ray meets first. */
+  private nearest(panels: readonly Panel[], isTouching: boolean): Panel | null {
     const { pointer, on } = this;
     const held = on?.heldBy(this) ? on : null;
     let nearest: Panel | null = null;
     for (let i = 0; i < panels.length; i++) {
       const panel = panels[i]!;
       if (held ? panel !== held : !panel.isFree) continue;
-      const met = poking
+      const met = isTouching
         ? panel.touched(pointer.fingertip, APPROACH)
         : panel.meet(pointer.origin, pointer.direction);
       if (!met || (nearest && panel.away[0]! >= nearest.away[0]!)) continue;
@@ -116,15 +116,15 @@ export class Body {
 
   /** Depth of the fingertip's press: 1 once it went through the panel from before. */
   private touchOf(panel: Panel): number {
-    const away = panel.away[0]!;
-    if (this.before !== panel || away > LET_GO) return 0;
-    return away <= 0 ? 1 : 0.5;
+    const distance = panel.away[0]!;
+    if (this.before !== panel || distance > LET_GO) return 0;
+    return distance <= 0 ? 1 : 0.5;
   }
 
   private drawRay(nearest: Panel | null, painter: Painter | null): void {
     const { pointer, ray } = this;
     const { length } = ray;
-    if (!pointer.kind.drawn || this.poking) length[0] = -1;
+    if (!pointer.kind.drawn || this.isTouching) length[0] = -1;
     else if (nearest) length[0] = nearest.away[0]!;
     else length[0] = painter && pointer.tracked ? painter.reach[0]! : -1;
     ray.show(pointer.origin, pointer.direction);

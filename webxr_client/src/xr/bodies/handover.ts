@@ -10,31 +10,31 @@ export class Handover {
   /** Seconds for which nothing of the wished hand has been there. */
   private readonly absent = new Float64Array(1);
   /** The input to which the brush goes as soon as it may, if any does. */
-  private heir: Pointer | null = null;
+  private successor: Pointer | null = null;
 
   /** Return the roles that hold until a change of hands may happen. */
   roles(before: Roles<Pointer>, wanted: Roles<Pointer>, wished: Side): Roles<Pointer> {
     const { brush: from } = before;
     const { brush: to } = wanted;
-    this.heir = null;
+    this.successor = null;
     if (!to || to === from) return wanted;
     const standsIn = from !== null && !from.leaving && !isOf(wished, from);
     const back = isOf(wished, to);
     // A stand-in finishes its stroke, and may give the brush to another input of its side.
     if (standsIn ? !back || !pressed(from) : back || this.mayTake(to)) return wanted;
-    this.heir = to;
+    this.successor = to;
     return back ? before : { brush: null, other: to, palette: to.holds ? to : null };
   }
 
   /** Once per picture; true when the roles that wait may be asked for anew. */
-  update(there: boolean, holder: Pointer | null, seconds: Float64Array): boolean {
-    this.absent[0] = there ? 0 : this.absent[0]! + seconds[0]!;
-    const { heir } = this;
-    return heir !== null && (holder ? !pressed(holder) : this.mayTake(heir));
+  update(isPresent: boolean, holder: Pointer | null, seconds: Float64Array): boolean {
+    this.absent[0] = isPresent ? 0 : this.absent[0]! + seconds[0]!;
+    const { successor } = this;
+    return successor !== null && (holder ? !pressed(holder) : this.mayTake(successor));
   }
 
-  private mayTake(heir: Pointer): boolean {
-    return this.absent[0]! >= PATIENCE && !pressed(heir);
+  private mayTake(successor: Pointer): boolean {
+    return this.absent[0]! >= PATIENCE && !pressed(successor);
   }
 }
 

@@ -101,7 +101,7 @@ export class People {
   private readonly avatars = new Map<string, Avatar>();
   /** The same, for every picture. */
   private present: readonly Avatar[] = [];
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
 
   private readonly eye = new Vector3();
 
@@ -109,7 +109,7 @@ export class People {
     private readonly world: Group,
     changed: () => void,
   ) {
-    this.unfollow = follow(() => {
+    this.unsubscribe = follow(() => {
       const people = state.people.value;
       for (const [viewer, avatar] of this.avatars) {
         if (people.some((person) => person.viewer === viewer)) continue;
@@ -143,7 +143,7 @@ export class People {
   }
 
   dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     for (const avatar of this.avatars.values()) avatar.dispose();
     this.avatars.clear();
   }

@@ -16,20 +16,20 @@ import type { Object3D } from 'three';
 /** Seconds after which a controller out of the headset's sight, or gone, is missed. */
 const MISSED = 1;
 /** Seconds of a session after which it is told that nothing points: hands and controllers wake in the first. */
-const NOBODY_CAME = 2;
+const NO_INPUT_SECONDS = 2;
 /** Seconds from one look for inputs that came or went without an event to the next. */
 const LOOK = 1;
 const SWITCH_ON = 'press its system button to switch it on';
 const SHOW = 'hold it in front of the headset';
 
 /** A controller that has gone, and may be back in a moment: system menus take all of them. */
-interface Gone {
+interface LostController {
   readonly name: string;
   readonly side: Side | 'none';
   /** Seconds since, while the session is visible. */
   readonly seconds: Float64Array;
 }
-const NOBODY: Roles<Pointer> = { brush: null, other: null, palette: null };
+const NO_ROLES: Roles<Pointer> = { brush: null, other: null, palette: null };
 
 /** Sources that are tracked and do not press: a controller beside the hand that laid it down. */
 type Session = XRSession & { readonly trackedSources?: Iterable<XRInputSource> };
@@ -43,8 +43,8 @@ export interface Changes {
 
 export class Pointers {
   readonly bodies: Body[] = [];
-  private roles = NOBODY;
-  private readonly gone: Gone[] = [];
+  private roles = NO_ROLES;
+  private readonly lostControllers: LostController[] = [];
   /** Seconds for which nothing has pointed since the session began; NaN once something did. */
   private readonly awaited = new Float64Array(1);
   private readonly looked = new Float64Array(1);
@@ -137,12 +137,12 @@ export class Pointers {
     removed: readonly XRInputSource[],
     primary: boolean,
   ): void {
-    for (const source of removed) this.leave(source, primary);
-    for (const source of added) this.come(source, primary);
+    for (const source of removed) this.removeSource(source, primary);
+    for (const source of added) this.addSource(source, primary);
     this.assign();
   }
 
-  private come(source: XRInputSource, primary: boolean): void {
+  private addSource(source: XRInputSource, primary: boolean): void {
     if (this.bodyFor(source, primary)) return;
     const kind = kindOf(source);
     const input = kind ? this.poses.add(source) : -1;
@@ -155,7 +155,7 @@ export class Pointers {
     this.bodies.push(new Body(pointer, this.lessons, this.scene, this.rig.group));
   }
 
-  private leave(source: XRInputSource, primary: boolean): void {
+  private removeSource(source: XRInputSource, primary: boolean): void {
     const body = this.bodyFor(source, primary);
     if (!body) return;
     const { pointer } = body;
@@ -167,7 +167,7 @@ export class Pointers {
     this.drop(body);
     const { name, fleeting } = pointer.kind;
     if (fleeting) return;
-    this.gone.push({
+    this.lostControllers.push({
       name: nameOf(pointer, name),
       side: pointer.side,
       seconds: new Float64Array(1),
@@ -207,12 +207,12 @@ export class Pointers {
   /** Let the hands change as soon as they may. */
   private hand(seconds: Float64Array): void {
     const { hand } = peek(xrSettings);
-    let there = false;
+    let isPresent = false;
     for (let i = 0; i < this.bodies.length; i++) {
       const { pointer } = this.bodies[i]!;
-      there ||= pointer.primary && isOf(hand, pointer);
+      isPresent ||= pointer.primary && isOf(hand, pointer);
     }
-    if (this.handover.update(there, this.brush, seconds)) this.assign();
+    if (this.handover.update(isPresent, this.brush, seconds)) this.assign();
   }
 
   /** Task of a pointer. */
@@ -259,13 +259,13 @@ export class Pointers {
     looked[0] = looked[0]! + seconds[0]!;
     if (looked[0] < LOOK) return;
     looked[0] = 0;
-    const there = [...this.session.inputSources];
+    const sources = [...this.session.inputSources];
     const is = ({ pointer }: Body): boolean => pointer.primary && !pointer.leaving;
     const known = this.bodies.filter(is).map(({ pointer }) => pointer);
-    const gone = known.filter(({ source, momentary }) => !momentary && !there.includes(source));
-    const came = there.filter((source) => !this.bodyFor(source) && !this.refused.has(source));
-    const left = gone.map(({ source }) => source);
-    if (came.length + left.length > 0) this.sources(came, left, true);
+    const lost = known.filter(({ source, momentary }) => !momentary && !sources.includes(source));
+    const added = sources.filter((source) => !this.bodyFor(source) && !this.refused.has(source));
+    const left = lost.map(({ source }) => source);
+    if (added.length + left.length > 0) this.sources(added, left, true);
   }
 
   /** Say once that nothing has come that points. */
@@ -274,18 +274,18 @@ export class Pointers {
     if (this.bodies.length > 0) awaited[0] = NaN;
     const before = awaited[0]!;
     awaited[0] = before + seconds[0]!;
-    if (before >= NOBODY_CAME || !(awaited[0] >= NOBODY_CAME)) return;
+    if (before >= NO_INPUT_SECONDS || !(awaited[0] >= NO_INPUT_SECONDS)) return;
     this.changes.say(firstWords(this.session, peek(xrSettings).hands));
   }
 
   /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
   private missGone(seconds: Float64Array): void {
-    for (let i = this.gone.length - 1; i >= 0; i--) {
-      const { name, side, seconds: since } = this.gone[i]!;
+    for (let i = this.lostControllers.length - 1; i >= 0; i--) {
+      const { name, side, seconds: since } = this.lostControllers[i]!;
       since[0] = since[0]! + seconds[0]!;
       const back = side !== 'none' && this.of(side) !== null;
       if (!back && since[0] < MISSED) continue;
-      this.gone.splice(i, 1);
+      this.lostControllers.splice(i, 1);
       const meanwhile = this.standIn && `\n${this.standIn}`;
       if (!back) this.changes.say(`The ${name} is disconnected:\n${SWITCH_ON}${meanwhile}`);
     }

@@ -13,14 +13,14 @@ const PERIOD_MS = 100;
 type Pose = [number, number, number, number, number, number, number];
 type Message = Required<ClientPresence>;
 
-const nowhere = (): Pose => [0, 0, 0, 0, 0, 0, 1];
+const identityPose = (): Pose => [0, 0, 0, 0, 0, 0, 1];
 
 export class Presence {
   private readonly last = new Float64Array(1);
   private readonly roomFromScene = new Matrix4();
   private readonly at = new Vector3();
-  private readonly head = nowhere();
-  private readonly hands: readonly [Pose, Pose] = [nowhere(), nowhere()];
+  private readonly head = identityPose();
+  private readonly hands: readonly [Pose, Pose] = [identityPose(), identityPose()];
   private readonly brush: [number, number, number] = [0, 0, 0];
   private readonly message: Message = {
     type: 'presence',
@@ -40,7 +40,7 @@ export class Presence {
     private readonly link: Link,
     private readonly afterwards: Afterwards,
   ) {
-    this.stop = afterwards.runs.add(this.tell);
+    this.stop = afterwards.runs.add(this.sendDueMessage);
   }
 
   update(now: number, rig: Rig, pointers: Pointers, tip: Vector3, world: Object3D): void {
@@ -61,7 +61,7 @@ export class Presence {
     this.afterwards.ask();
   }
 
-  private readonly tell = (): void => {
+  private readonly sendDueMessage = (): void => {
     if (!this.due) return;
     this.due = false;
     this.send(this.message);
@@ -90,7 +90,7 @@ export class Presence {
   }
 
   /** One has left the room. */
-  gone(): void {
+  leave(): void {
     this.stop();
     this.send({ ...this.message, head: null, hands: [], brush: null, radius: 0 });
   }

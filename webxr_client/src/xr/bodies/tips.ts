@@ -23,7 +23,7 @@ const SLACK = 0.02;
 /** Share of the way to the eyes by which the words lie before the hand: it hides none of them. */
 const NEARER = 0.12;
 /** Metres outside the picture at which a hand has no words. */
-const ASTRAY = 0.25;
+const OUTSIDE_METRES = 0.25;
 /** Number of moves to bring words inside, and the share of the missing distance of each move. */
 const [PASSES, GAIN] = [6, 0.5];
 const CORNERS = 4;
@@ -172,7 +172,7 @@ export class Tips {
     shift.fill(0);
     corner.copy(this.hand.grip.position).applyMatrix4(inHead);
     sight.lacks(corner, shift);
-    return corner.z < 0 && Math.hypot(shift[0]!, shift[1]!) < ASTRAY;
+    return corner.z < 0 && Math.hypot(shift[0]!, shift[1]!) < OUTSIDE_METRES;
   }
 
   /** Place the words beside the hand, moved as far as keeps them in both eyes' pictures. */
@@ -259,9 +259,9 @@ export class Tips {
 
 /** Extend the sides of the view by a place: tangents to the right, left, up and down. */
 function widen(sides: Float64Array, { x, y, z }: Vector3): void {
-  const away = Math.max(1e-3, -z);
-  sides[0] = Math.max(sides[0]!, x / away);
-  sides[1] = Math.max(sides[1]!, -x / away);
-  sides[2] = Math.max(sides[2]!, y / away);
-  sides[3] = Math.max(sides[3]!, -y / away);
+  const distance = Math.max(1e-3, -z);
+  sides[0] = Math.max(sides[0]!, x / distance);
+  sides[1] = Math.max(sides[1]!, -x / distance);
+  sides[2] = Math.max(sides[2]!, y / distance);
+  sides[3] = Math.max(sides[3]!, -y / distance);
 }

@@ -28,29 +28,29 @@ export class Buttons {
     this.size(brush, seconds, now);
     if (brush.edge.primary === 1) {
       actions.tools.toggleEraser();
-      this.lessons.done('erase', brush.device);
+      this.lessons.markDone('erase', brush.device);
     }
     if (brush.edge.secondary === 1) {
       actions.history.undo();
-      this.lessons.done('undo', brush.device);
+      this.lessons.markDone('undo', brush.device);
     }
   }
 
   private ofOther(other: Pointer): void {
     if (other.edge.primary === 1) {
       this.togglePanel();
-      this.lessons.done('panel', other.device);
+      this.lessons.markDone('panel', other.device);
     }
     if (other.edge.press === 1) {
       actions.time.nextDoubtful(1);
-      this.lessons.done('doubt', other.device);
+      this.lessons.markDone('doubt', other.device);
     }
     if (other.edge.secondary === 1) {
       actions.history.redo();
-      this.lessons.done('redo', other.device);
+      this.lessons.markDone('redo', other.device);
     }
-    if (other.pad.x !== 0) this.lessons.done('turn', other.device);
-    if (other.pad.y > 0) this.lessons.done('teleport', other.device);
+    if (other.pad.x !== 0) this.lessons.markDone('turn', other.device);
+    if (other.pad.y > 0) this.lessons.markDone('teleport', other.device);
   }
 
   /** Left and right are frames; held, they run; the middle plays. */
@@ -58,11 +58,11 @@ export class Buttons {
     const step = hand.repeatX.update(hand.pad.x, now);
     if (step !== 0) {
       actions.time.step(step);
-      this.lessons.done('step', hand.device);
+      this.lessons.markDone('step', hand.device);
     }
     if (hand.edge.press === 1) {
       actions.time.togglePlay();
-      this.lessons.done('play', hand.device);
+      this.lessons.markDone('play', hand.device);
     }
   }
 
@@ -73,10 +73,10 @@ export class Buttons {
       const notch = hand.repeatSize.update(lean, now);
       if (notch === 0) return;
       actions.tools.nudgeRadius(notch * NOTCHES);
-      this.lessons.done('size', hand.device);
+      this.lessons.markDone('size', hand.device);
     } else if (lean !== 0) {
       actions.tools.setRadius(peek(state.brush).radius * GROWTH ** (lean * seconds[0]!));
-      this.lessons.done('size', hand.device);
+      this.lessons.markDone('size', hand.device);
     }
   }
 }

@@ -39,12 +39,12 @@ export class ChangeCounter {
 }
 
 /** Haptics of the brush hand besides painting: a frame passed, a run ended, a label was locked. */
-export class Feelings {
+export class EventHaptics {
   private frame = -1;
-  private readonly unfollow: (() => void)[];
+  private readonly unsubscribers: (() => void)[];
 
-  constructor(private readonly feel: (pulse: Pulse) => void) {
-    this.unfollow = [this.followJobs(), this.followLocks()];
+  constructor(private readonly sendPulse: (pulse: Pulse) => void) {
+    this.unsubscribers = [this.followJobs(), this.followLocks()];
   }
 
   /** Once per picture. */
@@ -52,7 +52,7 @@ export class Feelings {
     const frame = peek(state.frame);
     if (frame === this.frame) return;
     // While it plays the hand would only buzz.
-    if (this.frame >= 0 && !peek(state.playing)) this.feel(FRAME_TICK);
+    if (this.frame >= 0 && !peek(state.playing)) this.sendPulse(FRAME_TICK);
     this.frame = frame;
   }
 
@@ -63,7 +63,7 @@ export class Feelings {
       const active = new Set(tracking.filter(isActive).map((job) => job.id));
       const ended = [...running].some((id) => !active.has(id));
       running = active;
-      if (ended) this.feel(BUMP);
+      if (ended) this.sendPulse(BUMP);
     });
   }
 
@@ -74,12 +74,12 @@ export class Feelings {
       const locked = new Set(palette.filter((label) => label.locked).map((label) => label.id));
       const more = before !== null && [...locked].some((id) => !before!.has(id));
       before = locked;
-      if (more) this.feel(BUMP);
+      if (more) this.sendPulse(BUMP);
     });
   }
 
   dispose(): void {
-    for (const stop of this.unfollow) stop();
+    for (const stop of this.unsubscribers) stop();
   }
 }
 

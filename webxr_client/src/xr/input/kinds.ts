@@ -4,7 +4,7 @@ import { deviceFor, isHandProfile } from './devices';
 import { HandModel } from './hand-model';
 import { buttonValue, type Kind, SELECTS } from './kind';
 import { controllerModel, disposeModel, drawnSpots } from './model';
-import { dress } from './registry-model';
+import { replaceModel } from './registry-model';
 
 /** Buttons that only controllers have: a hand's gamepad holds at most its pinch. */
 const CONTROLLER_BUTTONS = 2;
@@ -39,7 +39,7 @@ export const controller: Kind = {
   model: (source, device) => {
     const object = new Group().add(controllerModel());
     const spots = drawnSpots();
-    const giveUp = dress(object, spots, source, device);
+    const giveUp = replaceModel(object, spots, source, device);
     const dispose = (): void => {
       giveUp();
       disposeModel(object);

@@ -130,7 +130,7 @@ export class Lessons {
   readonly uses = new Listeners<Lesson>();
   private readonly learnt = new Map(load());
 
-  done(lesson: Lesson, { id }: Device): void {
+  markDone(lesson: Lesson, { id }: Device): void {
     this.uses.run(lesson);
     const learnt = this.learnt.get(id) ?? new Set();
     if (learnt.has(lesson)) return;

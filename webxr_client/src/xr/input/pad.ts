@@ -64,11 +64,11 @@ export class Thumb {
   }
 
   private stick(x: number, y: number, pressed: boolean, out: Pad): void {
-    const away = Math.hypot(x, y);
-    if (this.latch === 'middle' ? !pressed : away < LET_GO) this.latch = 'none';
+    const deflection = Math.hypot(x, y);
+    if (this.latch === 'middle' ? !pressed : deflection < LET_GO) this.latch = 'none';
     if (this.latch === 'none') {
       if (pressed) this.latch = 'middle';
-      else if (away >= ENGAGE) this.latch = greater(x, y);
+      else if (deflection >= ENGAGE) this.latch = greater(x, y);
     }
     if (this.latch === 'middle') out.click = true;
     else if (this.latch === 'x') out.x = lean(x);

@@ -174,10 +174,10 @@ export class Pointer implements Present {
   /** The place on the ray at which a far pointer works. */
   along(out: Vector3): void {
     const { origin, direction } = this;
-    const away = this.depth[0]!;
-    out.x = origin.x + away * direction.x;
-    out.y = origin.y + away * direction.y;
-    out.z = origin.z + away * direction.z;
+    const distance = this.depth[0]!;
+    out.x = origin.x + distance * direction.x;
+    out.y = origin.y + distance * direction.y;
+    out.z = origin.z + distance * direction.z;
   }
 
   private readButtons(gamepad: Gamepad | null): void {

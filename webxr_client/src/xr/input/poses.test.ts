@@ -54,13 +54,13 @@ describe.each([true, false])('poses of a frame, fillPoses there: %s', (fills) =>
     const two = poses.add({ targetRaySpace: guess } as unknown as XRInputSource);
     const frame = frameWith(fills);
     poses.read(frame, BASE);
-    const asked = vi.spyOn(frame, 'getPose');
-    const told = (input: number): boolean => poses.guessed(input, frame, BASE);
+    const getPoseSpy = vi.spyOn(frame, 'getPose');
+    const isGuessed = (input: number): boolean => poses.guessed(input, frame, BASE);
     // A device that never knew a place cannot say that this one is worse.
-    expect([told(two), told(one), told(two)]).toEqual([false, false, true]);
-    expect(asked.mock.calls.map(([of]) => of)).toEqual([guess, known, guess]);
+    expect([isGuessed(two), isGuessed(one), isGuessed(two)]).toEqual([false, false, true]);
+    expect(getPoseSpy.mock.calls.map(([of]) => of)).toEqual([guess, known, guess]);
     poses.remove(two);
-    expect(told(two)).toBe(false);
+    expect(isGuessed(two)).toBe(false);
   });
 
   it('are none while tracking is lost, and come back', () => {

@@ -17,7 +17,12 @@ const [SHADE, LIGHT] = [0.6, 1.3];
 type Named = Pick<XRInputSource, 'profiles' | 'handedness'>;
 
 /** Replace a drawn model by the registry's once that is there; the result gives it up. */
-export function dress(object: Object3D, spots: Spots, source: Named, device: Device): () => void {
+export function replaceModel(
+  object: Object3D,
+  spots: Spots,
+  source: Named,
+  device: Device,
+): () => void {
   let wanted = true;
   const put = (scene: Group): void => {
     if (!wanted) return;

@@ -45,8 +45,8 @@ it.each<[what: string, there: string[], wished: Side, brush: string, other: stri
   ['a gaze beside a controller', ['gaze', 'left controller'], 'left', 'left controller', 'gaze', ''],
   ['fingers on a screen', ['touch', 'touch'], 'right', 'touch', 'touch', ''],
   ['nobody', [], 'right', '', '', ''],
-])('%s', (_what, there, wished, brush, other, palette) => {
-  const all = there.map(present);
+])('%s', (_what, sources, wished, brush, other, palette) => {
+  const all = sources.map(present);
   const roles = rolesOf(all, wished);
   const names = [roles.brush, roles.other, roles.palette].map((one) => one?.name ?? '');
   expect(names).toEqual([brush, other, palette]);

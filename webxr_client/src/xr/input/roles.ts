@@ -29,20 +29,20 @@ export interface Roles<T extends Present> {
  * grabs the room.
  */
 export function rolesOf<T extends Present>(present: readonly T[], wished: Side): Roles<T> {
-  const away = ({ side }: T): number => (side === wished ? 0 : side === 'none' ? 1 : 2);
-  const paints = (one: T): boolean => one.primary && !(one.momentary && away(one) === 2);
-  const brush = first(present.filter(paints), (one) => [away(one), one.rank]);
+  const sideCost = ({ side }: T): number => (side === wished ? 0 : side === 'none' ? 1 : 2);
+  const paints = (one: T): boolean => one.primary && !(one.momentary && sideCost(one) === 2);
+  const brush = first(present.filter(paints), (one) => [sideCost(one), one.rank]);
   // Two sources of one side are one hand, which does not help itself.
   const rest = present.filter(
     (one) => one !== brush && (one.side === 'none' || one.side !== brush?.side),
   );
   const other = first(
     rest.filter((one) => one.primary),
-    (one) => [-away(one), one.rank],
+    (one) => [-sideCost(one), one.rank],
   );
   const palette = first(
     rest.filter((one) => one.holds),
-    (one) => [one.primary ? 0 : 1, -away(one), one.rank],
+    (one) => [one.primary ? 0 : 1, -sideCost(one), one.rank],
   );
   return { brush, other, palette };
 }

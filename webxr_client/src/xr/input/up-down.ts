@@ -69,7 +69,7 @@ export class UpDown {
     if (pad.y === 0) this.letGo();
     if (this.purpose === 'none') this.answers = this.shown ? this.acts.answers(hand) : null;
     if (pad.y !== 0 && this.purpose === 'none') this.purpose = pinching ? 'levels' : 'labels';
-    this.obeyTrigger(pinching);
+    this.updateTrigger(pinching);
     const idle = this.purpose === 'none' || this.purpose === 'over';
     const step = this.repeat.update(idle ? 0 : pad.y, now);
     if (this.purpose === 'levels' && step !== 0) this.acts.level(step);
@@ -97,7 +97,7 @@ export class UpDown {
   }
 
   /** The label that was marked is the stroke's; a level that is shown is the press's alone. */
-  private obeyTrigger(pinching: boolean): void {
+  private updateTrigger(pinching: boolean): void {
     const { purpose } = this;
     if (purpose === 'labels' && pinching && this.marked !== 0 && !this.presses) this.take();
     if (purpose === (pinching ? 'labels' : 'levels')) this.purpose = 'over';

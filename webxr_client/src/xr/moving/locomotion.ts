@@ -11,7 +11,7 @@ import { within } from '../drawing/vectors';
 
 const SEGMENTS = 32;
 /** Metres a second, and how fast that falls. */
-const THROWN = [6.5, 9.8] as const;
+const THROW = [6.5, 9.8] as const;
 const STRAIGHT = [1000, 9.8] as const;
 const FARTHEST = 12;
 const GLIDE = 1.8;
@@ -63,7 +63,7 @@ export class Locomotion {
   private readonly leanUp = new Switch();
   private valid = false;
   /** The next press goes where it points. */
-  private asked = false;
+  private isArmed = false;
   private pressed = false;
 
   constructor(private readonly rig: Rig) {
@@ -99,13 +99,13 @@ export class Locomotion {
 
   /** Make the next press a teleport to its target, for inputs without a stick. */
   ask(): void {
-    this.asked = true;
+    this.isArmed = true;
     this.pressed = false;
   }
 
   /** A press is for going, not for painting. */
   get waits(): boolean {
-    return this.asked;
+    return this.isArmed;
   }
 
   /**
@@ -127,7 +127,7 @@ export class Locomotion {
     const gliding = smooth && Math.abs(y) > 0;
     if (hand && gliding) this.glide(hand, y * seconds[0]!);
     else this.teleport(hand, smooth ? 0 : y);
-    if (this.asked && !this.aiming) this.pressToGo(busy ? null : brush);
+    if (this.isArmed && !this.aiming) this.teleportOnRelease(busy ? null : brush);
     this.shade(gliding || turning || dragged, seconds);
   }
 
@@ -157,23 +157,23 @@ export class Locomotion {
     const edge = this.leanUp.update(Math.max(0, y));
     if (edge === 1) this.aiming = true;
     if (edge === -1) {
-      if (this.aiming) this.go();
+      if (this.aiming) this.moveToTarget();
       this.aiming = false;
     }
     this.aim(this.aiming ? hand : null);
   }
 
   /** The press that was asked for: aims while it is held or before, goes when it is let go. */
-  private pressToGo(brush: Pointer | null): void {
+  private teleportOnRelease(brush: Pointer | null): void {
     this.aim(brush?.tracked === true ? brush : null);
     if (brush?.edge.click === 1) this.pressed = true;
     if (brush?.edge.click !== -1 || !this.pressed) return;
-    this.asked = this.pressed = false;
-    this.go();
+    this.isArmed = this.pressed = false;
+    this.moveToTarget();
     this.aim(null);
   }
 
-  private go(): void {
+  private moveToTarget(): void {
     if (!this.valid) return;
     this.rig.moveTo(this.target);
     this.moves += 1;
@@ -190,7 +190,7 @@ export class Locomotion {
   /** Down to the floor: thrown by a hand, straight on from the eyes. */
   private throwArc(hand: Pointer): void {
     const { origin, direction } = hand;
-    const [speed, gravity] = hand.reach === 'far' ? STRAIGHT : THROWN;
+    const [speed, gravity] = hand.reach === 'far' ? STRAIGHT : THROW;
     const fall = direction.y * speed;
     const height = Math.max(0, origin.y);
     // Time at which the arc comes down to the floor.

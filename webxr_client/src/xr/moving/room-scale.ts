@@ -8,14 +8,14 @@ import type { Rig } from './rig';
 import { placeModel, resetWorld, scaleAbout } from './world';
 
 /** The place of a person in the scene, and the level direction in which they looked. */
-interface Stood {
+interface StandingPlace {
   readonly place: Vector3;
   readonly ahead: Vector3;
 }
 
 export class RoomScale {
   /** Before another scale than the true one was chosen. */
-  private stood: Stood | null = null;
+  private placeBeforeScale: StandingPlace | null = null;
 
   constructor(
     private readonly viewer: Viewer,
@@ -30,7 +30,7 @@ export class RoomScale {
     const { head, ahead } = this.rig;
     const info = peek(state.sequence);
     const grown = scale / world.scale.x;
-    if (world.scale.x === 1) this.stood = { place: head.clone(), ahead: ahead.clone() };
+    if (world.scale.x === 1) this.placeBeforeScale = { place: head.clone(), ahead: ahead.clone() };
     if (scale < 1 && info) placeModel(world, scale, viewer.bounds(info), head, ahead);
     else scaleAbout(world, scale, head.clone().addScaledVector(ahead, 0.6).setY(0));
     this.moved(false);
@@ -42,8 +42,9 @@ export class RoomScale {
     const { world } = this.viewer;
     actions.tools.setRadius(peek(state.brush).radius * world.scale.x);
     resetWorld(world);
-    if (this.stood) this.rig.standAt(this.stood.place, this.stood.ahead);
-    this.stood = null;
+    if (this.placeBeforeScale)
+      this.rig.standAt(this.placeBeforeScale.place, this.placeBeforeScale.ahead);
+    this.placeBeforeScale = null;
     this.moved(true);
     notify(
       'info',

@@ -7,7 +7,7 @@ import type { Rig } from './rig';
 
 const SAMPLES = 3000;
 /** Half the width of the path ahead, and heights of obstacles on it: above a floor, below a lamp. */
-const ASIDE = 1.2;
+const HALF_PATH_METRES = 1.2;
 const [LOW, HIGH] = [0.3, 2];
 /** Stray points do not count. */
 const PART = 0.05;
@@ -19,7 +19,8 @@ function nearest(frame: CloudFrame, sceneFromLocal: Matrix4, eye: Vector3, way: 
     if (at.y < LOW || at.y > HIGH) continue;
     at.sub(eye).setY(0);
     const along = at.dot(way);
-    if (along > 0.2 && at.addScaledVector(way, -along).length() < ASIDE) found.push(along);
+    if (along > 0.2 && at.addScaledVector(way, -along).length() < HALF_PATH_METRES)
+      found.push(along);
   }
   found.sort((a, b) => a - b);
   return found[Math.floor(PART * found.length)] ?? 0;

@@ -84,10 +84,10 @@ export function placeModel(
 ): void {
   const half = (Math.hypot(high.x - low.x, high.z - low.z) / 2) * scale;
   const [least, most] = MODEL.middle;
-  const away = Math.min(most, Math.max(least, MODEL.nearest + half));
+  const distance = Math.min(most, Math.max(least, MODEL.nearest + half));
   const bottom = low.clone().add(high).multiplyScalar(0.5).setY(low.y);
-  const place = eyes.clone().addScaledVector(ahead, away);
-  place.y -= Math.tan(MODEL.below) * Math.max(MODEL.nearest, away - half);
+  const place = eyes.clone().addScaledVector(ahead, distance);
+  place.y -= Math.tan(MODEL.below) * Math.max(MODEL.nearest, distance - half);
   world.scale.setScalar(scale);
   world.position.copy(place).sub(bottom.multiplyScalar(scale).applyQuaternion(world.quaternion));
 }

@@ -34,7 +34,7 @@ export class AirShape {
     this.to.copy(tip);
   }
 
-  go(tip: Vector3, other: Pointer | null): void {
+  extend(tip: Vector3, other: Pointer | null): void {
     if (this.boxes) this.stretch(tip, other);
     else if (this.lasso.add(tip)) this.drawLast(tip);
   }

@@ -10,16 +10,18 @@ const EVERY_MS = 60;
 /** Bounds of a movement or turn that counts as still: metres, and parts of the unit direction. */
 const STILL = 0.002;
 
-export class Asking {
+export class PreviewRequests {
   private last = 0;
-  private shows: Way | null = null;
-  private readonly asked = new Float64Array(6).fill(NaN);
-  private readonly unfollow: () => void;
+  private shownWay: Way | null = null;
+  private readonly lastAim = new Float64Array(6).fill(NaN);
+  private readonly unsubscribe: () => void;
 
   constructor(private readonly engine: Engine) {
     // A change of these ends the preview, so that a hand at rest must request a new one.
     const { tool, brush, activeLabel, palette, frame } = state;
-    this.unfollow = watch([tool, brush, activeLabel, palette, frame], () => this.asked.fill(NaN));
+    this.unsubscribe = watch([tool, brush, activeLabel, palette, frame], () =>
+      this.lastAim.fill(NaN),
+    );
   }
 
   /** Once per frame while the trigger is up; `sample` may be used again. */
@@ -28,10 +30,10 @@ export class Asking {
       this.leave();
       return;
     }
-    if (this.shows !== way) this.leave();
+    if (this.shownWay !== way) this.leave();
     if (now - this.last < EVERY_MS || !this.moved(sample)) return;
     this.last = now;
-    this.shows = way;
+    this.shownWay = way;
     this.note(sample);
     const { objects, regions } = this.engine;
     if (way.samples === 'clicks') objects.hover(sample);
@@ -40,30 +42,30 @@ export class Asking {
 
   /** The hand is gone, or does something else. */
   leave(): void {
-    if (!this.shows) return;
-    this.shows = null;
-    this.asked.fill(NaN);
+    if (!this.shownWay) return;
+    this.shownWay = null;
+    this.lastAim.fill(NaN);
     this.engine.objects.leave();
     this.engine.regions.leave();
   }
 
   dispose(): void {
     this.leave();
-    this.unfollow();
+    this.unsubscribe();
   }
 
   private moved({ origin, direction }: PointerSample): boolean {
     for (let k = 0; k < 3; k++) {
-      const still = Math.abs(origin[k]! - this.asked[k]!) < STILL;
-      if (!still || !(Math.abs(direction[k]! - this.asked[3 + k]!) < STILL)) return true;
+      const still = Math.abs(origin[k]! - this.lastAim[k]!) < STILL;
+      if (!still || !(Math.abs(direction[k]! - this.lastAim[3 + k]!) < STILL)) return true;
     }
     return false;
   }
 
   private note({ origin, direction }: PointerSample): void {
     for (let k = 0; k < 3; k++) {
-      this.asked[k] = origin[k]!;
-      this.asked[3 + k] = direction[k]!;
+      this.lastAim[k] = origin[k]!;
+      this.lastAim[3 + k] = direction[k]!;
     }
   }
 }

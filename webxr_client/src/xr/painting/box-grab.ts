@@ -21,7 +21,7 @@ export interface HandAt {
   readonly scale: number;
 }
 
-interface Held {
+interface HeldBox {
   readonly box: ObjectBox;
   readonly frame: number;
   readonly start: Shape;
@@ -33,7 +33,7 @@ interface Held {
 }
 
 export class BoxGrab {
-  private held: Held | null = null;
+  private held: HeldBox | null = null;
 
   get holds(): boolean {
     return this.held !== null;

@@ -14,9 +14,9 @@ export class Cues {
   /** Give a cue of a strength, 0..1, to the hand that paints with `painter`. */
   give(hand: Pointer | null, painter: Painter, strength: number, milliseconds: number): void {
     if (!hand) return;
-    const felt = hand.pulse(strength, milliseconds);
+    const hasPulsed = hand.pulse(strength, milliseconds);
     const { sound } = peek(xrSettings);
-    if (felt && sound !== 'always') return;
+    if (hasPulsed && sound !== 'always') return;
     painter.glow();
     if (sound !== 'off') this.sounds.play(strength, milliseconds, painter.tip, this.rig);
   }

@@ -10,7 +10,7 @@ import { brushFor, refusal } from '../../tools/brush';
 import type { Stroke } from '../../tools/strokes';
 import { completes, roomWay, wayOf, type Way } from '../../tools/ways';
 import { AirShape } from './air';
-import { Asking } from './asking';
+import { PreviewRequests } from './asking';
 import { BrushLook } from './brush-look';
 import { Completion } from './completion';
 import { BUMP, ChangeCounter, LEVEL_TICK, PAINT_MS, strengthOf } from '../input/haptics';
@@ -45,7 +45,7 @@ export class Painter {
   /** The press is not one that a panel or the room had first. */
   private free = false;
   /** The frame that the stroke began in, as asked for and as shown. */
-  private readonly begunIn = { asked: -1, shown: -1 };
+  private readonly begunIn = { requested: -1, shown: -1 };
   private readonly counter = new ChangeCounter();
   private readonly mine = new Set<string>();
   private readonly local = new Vector3();
@@ -60,9 +60,9 @@ export class Painter {
   private readonly last = new Vector3();
   private lastRay = 0;
   readonly completion: Completion;
-  private readonly asking: Asking;
+  private readonly previewRequests: PreviewRequests;
   private readonly pointing: Pointing;
-  private readonly unfeel: () => void;
+  private readonly unsubscribeHaptics: () => void;
 
   constructor(
     private readonly engine: Engine,
@@ -72,9 +72,9 @@ export class Painter {
     this.look = new BrushLook(engine, place);
     this.air = new AirShape(engine.viewer, place);
     this.pointing = new Pointing(engine, place, this.look, pulse);
-    this.asking = new Asking(engine);
+    this.previewRequests = new PreviewRequests(engine);
     this.completion = new Completion(engine.objects);
-    this.unfeel = engine.strokes.results.add(this.felt);
+    this.unsubscribeHaptics = engine.strokes.results.add(this.onResult);
   }
 
   addTo(scene: Object3D): void {
@@ -83,15 +83,15 @@ export class Painter {
 
   dispose(): void {
     this.finish();
-    this.asking.dispose();
+    this.previewRequests.dispose();
     this.completion.dispose();
-    this.unfeel();
+    this.unsubscribeHaptics();
     this.look.dispose();
     this.air.dispose();
   }
 
   /** Pulse by the number of newly changed points in the server's result. */
-  private readonly felt = (result: StrokeResult): void => {
+  private readonly onResult = (result: StrokeResult): void => {
     if (!this.mine.has(result.id)) return;
     const strength = strengthOf(this.counter.take(result));
     if (strength > 0) this.pulse(strength, PAINT_MS);
@@ -133,8 +133,8 @@ export class Painter {
     this.aimTip(hand, level, now);
     if (level !== this.level) this.turnTo(level, hand, head, now);
     const way = this.painting ? this.way : roomWay();
-    if (this.painting) this.go(hand, other, now);
-    else this.askAhead(!blocked, way, hand, now);
+    if (this.painting) this.continueStroke(hand, other, now);
+    else this.updatePreview(!blocked, way, hand, now);
     const color = this.look.show(!blocked, way, hand, this.tip, this.radius, now);
     if (color !== null) this.air.line.paint(color);
   }
@@ -162,18 +162,18 @@ export class Painter {
 
   /** Hide the brush without a hand that paints. */
   private rest(): void {
-    this.asking.leave();
+    this.previewRequests.leave();
     this.look.hide();
   }
 
   /** Show a preview of the selection of a press. */
-  private askAhead(there: boolean, way: Way, hand: Pointer, now: number): void {
-    if (!there || !isStroke(peek(state.tool))) {
-      this.asking.leave();
+  private updatePreview(canPreview: boolean, way: Way, hand: Pointer, now: number): void {
+    if (!canPreview || !isStroke(peek(state.tool))) {
+      this.previewRequests.leave();
       return;
     }
     if (way.preview === 'asked') this.aimAt(way, hand);
-    this.asking.update(way, this.pointed(), now);
+    this.previewRequests.update(way, this.pointed(), now);
   }
 
   /** A push up (1) or down (−1) while the trigger is held: the object under the stroke, or its levels. */
@@ -202,16 +202,16 @@ export class Painter {
   }
 
   private noteFrame(): void {
-    this.begunIn.asked = peek(state.frame);
+    this.begunIn.requested = peek(state.frame);
     this.begunIn.shown = peek(state.shown).frame;
   }
 
   /** Whether the shown frame, or the permission to paint, changed since the start of the stroke. */
   private moved(): boolean {
-    const { asked, shown } = this.begunIn;
+    const { requested, shown } = this.begunIn;
     if (!this.painting) return false;
-    const there = peek(state.frame) === asked && peek(state.shown).frame === shown;
-    return !there || !peek(canEdit);
+    const isSameFrame = peek(state.frame) === requested && peek(state.shown).frame === shown;
+    return !isSameFrame || !peek(canEdit);
   }
 
   /** End the stroke, discard air drawing, and ignore the press until its release. */
@@ -300,7 +300,7 @@ export class Painter {
       if (brush && first) this.engine.objects.click(structuredClone(this.pointed()));
       return;
     }
-    this.asking.leave();
+    this.previewRequests.leave();
     this.completion.begin();
     this.stroke = brush && this.begin(brush);
     this.last.set(NaN, NaN, NaN);
@@ -312,10 +312,10 @@ export class Painter {
     return stroke;
   }
 
-  private go(hand: Pointer, other: Pointer | null, now: number): void {
+  private continueStroke(hand: Pointer, other: Pointer | null, now: number): void {
     if (this.pointing.move(hand, this.tip)) return;
     if (this.way.samples === 'drawn') {
-      this.air.go(this.tip, other);
+      this.air.extend(this.tip, other);
       return;
     }
     if (!this.stroke || !this.aimSample(hand, now)) return;

@@ -29,13 +29,13 @@ export class TipSign {
   private held = false;
   private label = '';
   private labelUntil = 0;
-  private readonly unfollow: (() => void)[];
+  private readonly unsubscribers: (() => void)[];
 
   /** `changed`: another label is active from now on. */
   constructor(changed: () => void) {
     this.group.add(this.sign.mesh);
     let before = state.activeLabel.peek();
-    this.unfollow = [
+    this.unsubscribers = [
       follow(() => void (this.text = objectText(this.device, this.held))),
       follow(() => {
         const now = state.activeLabel.value;
@@ -63,7 +63,7 @@ export class TipSign {
   }
 
   dispose(): void {
-    for (const stop of this.unfollow) stop();
+    for (const stop of this.unsubscribers) stop();
     this.sign.dispose();
     this.group.removeFromParent();
   }

@@ -22,7 +22,7 @@ import { UpDown } from '../input/up-down';
 import { answersAt } from '../painting/answers';
 import { Painter } from '../painting/painter';
 import { Place } from '../painting/place';
-import { Worn, type TestSource } from './sources';
+import { TestInputs, type TestSource } from './sources';
 
 /** Milliseconds from one picture to the next. */
 const PICTURE_MS = 20;
@@ -32,7 +32,7 @@ const LEVELS = [10, 40, 90];
 const DRAWN: unknown = new Proxy({}, { get: () => () => true });
 
 export class Bench {
-  readonly worn: Worn;
+  readonly inputs: TestInputs;
   /** Messages to the server, the newest last. */
   readonly sent: ClientMessage[] = [];
   /** Names of the actions that were asked for. */
@@ -47,7 +47,7 @@ export class Bench {
   private now = 0;
 
   constructor(...sources: TestSource[]) {
-    this.worn = new Worn(...sources);
+    this.inputs = new TestInputs(...sources);
     state.sequence.value = { id: 'a', frames: 6, fps: 30, shift: [0, 0, 0] } as never;
     state.palette.value = [1, 2, 3].map(
       (id) => ({ id, color: '#5ea2ff', visible: true, locked: false }) as Label,
@@ -114,12 +114,12 @@ export class Bench {
 
   /** Some pictures; questions about objects are answered between two. */
   go(pictures = 1): void {
-    const { worn, painter } = this;
+    const { inputs, painter } = this;
     for (let i = 0; i < pictures; i++) {
       this.now += PICTURE_MS;
-      worn.go(PICTURE_MS / 1000);
+      inputs.advance(PICTURE_MS / 1000);
       this.place.update();
-      const { brush, other } = worn.pointers;
+      const { brush, other } = inputs.pointers;
       this.upDown.update(brush, this.now);
       this.buttons.update(brush, other, Float64Array.of(PICTURE_MS / 1000), this.now);
       painter.update(brush, other, new Vector3(), false, this.now);
@@ -129,23 +129,23 @@ export class Bench {
   }
 
   private answer(): void {
-    const asked = this.sent.findLast((message): message is Ask => message.type === 'ask');
-    if (!asked) return;
+    const request = this.sent.findLast((message): message is Ask => message.type === 'ask');
+    if (!request) return;
     const candidates = LEVELS.map((points, level) => {
       const runs = new Uint8Array(Uint32Array.of(10, points).buffer);
-      return { id: `${asked.id}-${level}`, level, score: 0.5, points, runs };
+      return { id: `${request.id}-${level}`, level, score: 0.5, points, runs };
     });
-    const { id } = asked;
+    const { id } = request;
     this.objects.onCandidates({ type: 'candidates', id, frame: 0, first: 0, ready: true, candidates }); // prettier-ignore
   }
 
   /** Press or release the trigger of the brush. */
   trigger(down: boolean): void {
-    const brush = this.worn.pointers.brush!;
+    const brush = this.inputs.pointers.brush!;
     const source = brush.source as unknown as TestSource;
     const button = source.gamepad?.buttons[brush.device.trigger];
     if (button) button.value = down ? 1 : 0;
-    else this.worn.select(source, down);
+    else this.inputs.select(source, down);
     this.go(5);
   }
 

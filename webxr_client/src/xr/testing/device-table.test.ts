@@ -24,7 +24,7 @@ const PRESSES = new Map([
 
 function rowOf(sources: TestSource[]): Record<Action, string> {
   const bench = new Bench(...sources);
-  const { brush } = bench.worn.pointers;
+  const { brush } = bench.inputs.pointers;
   bench.stroke();
   const pressed = bench.edits.length > 0;
   const found = waysOf(bench);

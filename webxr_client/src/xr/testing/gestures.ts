@@ -60,7 +60,7 @@ function padGestures(device: Device): Plain[] {
 
 /** All gestures of the hands that are there. */
 export function gesturesOf(bench: Bench): Gesture[] {
-  const { brush, other } = bench.worn.pointers;
+  const { brush, other } = bench.inputs.pointers;
   return [brush, other].flatMap((hand) => {
     if (!hand?.source.gamepad || !hand.holds) return [];
     const rest = { hand, other: hand === other };

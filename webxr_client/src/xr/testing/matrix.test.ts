@@ -16,7 +16,7 @@ function named(hint: string): string[] {
 
 /** Gestures by which hints promise an undo, a redo or an object. */
 function promised(bench: Bench): Map<string, string> {
-  const { brush, other } = bench.worn.pointers;
+  const { brush, other } = bench.inputs.pointers;
   const found = new Map<string, string>();
   for (const [hand, part] of [[brush, 'brush'], [other, 'other']] as const) {
     if (!hand) continue;
@@ -70,7 +70,7 @@ it.each(WORN_DEVICES)('%s: after a stroke labels change by the gestures that hin
 
 it.each(WORN_DEVICES)('%s: an offer is named by a control that is there, and ends by itself', (_, sources) => {
   const bench = new Bench(...sources());
-  const { device } = bench.worn.pointers.brush!;
+  const { device } = bench.inputs.pointers.brush!;
   bench.stroke();
   const control = device.pad === 'none' ? 'Palette, Tools' : `Hold Trigger, ${padName(device)} ↑`;
   expect(objectText(device, false)).toBe(`1 of 3 · 10 points\n${control}: object`);

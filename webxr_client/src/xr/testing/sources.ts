@@ -98,11 +98,11 @@ class TestSession extends EventTarget {
 }
 
 /** The pointers of a session, and its events. */
-export class Worn {
+export class TestInputs {
   readonly session = new TestSession();
-  readonly said: string[] = [];
+  readonly messages: string[] = [];
   /** Count of changes of the pointer that paints. */
-  gone = 0;
+  brushChanges = 0;
   readonly pointers: Pointers;
   private readonly poses = new Poses({ seen: true } as unknown as XRSpace);
 
@@ -115,13 +115,13 @@ export class Worn {
       new Rig(),
       new Scene(),
       new Lessons(),
-      { brushGone: () => (this.gone += 1), say: (text) => this.said.push(text) },
+      { brushGone: () => (this.brushChanges += 1), say: (text) => this.messages.push(text) },
     );
     this.pointers.listen();
   }
 
   /** One picture. */
-  go(seconds = 0.01): void {
+  advance(seconds = 0.01): void {
     this.poses.read(FRAME, BASE);
     this.pointers.update(FRAME, BASE, Float64Array.of(seconds));
   }

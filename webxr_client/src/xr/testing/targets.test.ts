@@ -153,11 +153,11 @@ describe('what answers on a panel', () => {
 });
 
 describe('the palette changes the active label', () => {
-  const asked: unknown[] = [];
+  const calls: unknown[] = [];
   const note =
     (name: string) =>
     (...values: unknown[]): Promise<void> => {
-      asked.push([name, ...values]);
+      calls.push([name, ...values]);
       return Promise.resolve();
     };
   const names = ['updateLabel', 'renameLabel', 'recolorLabel', 'deleteLabel'] as const;
@@ -167,9 +167,9 @@ describe('the palette changes the active label', () => {
   });
   afterAll(() => unbind());
   const did = (...pages: string[]): unknown[] => {
-    asked.length = 0;
+    calls.length = 0;
     for (const page of pages) press(palette, page);
-    return [...asked];
+    return [...calls];
   };
 
   it('by a quick name, by letters, by a swatch', () => {
