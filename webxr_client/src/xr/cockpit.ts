@@ -89,7 +89,7 @@ export class Cockpit {
     this.painter = new Painter(engine, this.place, pulseBrush);
     this.pointers = new Pointers(session, poses, this.rig, viewer.scene, this.lessons, {
       brushGone: () => this.painter.finish(),
-      say: (text) => this.hud.say(text),
+      showMessage: (text) => this.hud.showMessage(text),
     });
     this.scale = new RoomScale(viewer, this.rig, (settles) => {
       this.interrupt();
@@ -100,7 +100,7 @@ export class Cockpit {
       scaleTo: (scale) => this.scale.to(scale),
       reset: () => this.scale.reset(),
       recentre: () => this.stand(),
-      go: () => this.locomotion.ask(),
+      armTeleport: () => this.locomotion.armTeleport(),
     });
     const sendPulse = ({ strength, milliseconds }: Haptic): void =>
       pulseBrush(strength, milliseconds);

@@ -101,7 +101,7 @@ export class Body {
       const met = isTouching
         ? panel.touched(pointer.fingertip, APPROACH)
         : panel.meet(pointer.origin, pointer.direction);
-      if (!met || (nearest && panel.away[0]! >= nearest.away[0]!)) continue;
+      if (!met || (nearest && panel.distance[0]! >= nearest.distance[0]!)) continue;
       nearest = panel;
     }
     return nearest;
@@ -110,13 +110,13 @@ export class Body {
   /** The panel that the fingertip is at; one that it comes near to is noted. */
   private poked(panels: readonly Panel[]): Panel | null {
     const near = this.nearest(panels, true);
-    if (near && near.away[0]! > LET_GO) this.before = near;
-    return near && near.away[0]! <= HOVER ? near : null;
+    if (near && near.distance[0]! > LET_GO) this.before = near;
+    return near && near.distance[0]! <= HOVER ? near : null;
   }
 
   /** Depth of the fingertip's press: 1 once it went through the panel from before. */
   private touchOf(panel: Panel): number {
-    const distance = panel.away[0]!;
+    const distance = panel.distance[0]!;
     if (this.before !== panel || distance > LET_GO) return 0;
     return distance <= 0 ? 1 : 0.5;
   }
@@ -125,7 +125,7 @@ export class Body {
     const { pointer, ray } = this;
     const { length } = ray;
     if (!pointer.kind.drawn || this.isTouching) length[0] = -1;
-    else if (nearest) length[0] = nearest.away[0]!;
+    else if (nearest) length[0] = nearest.distance[0]!;
     else length[0] = painter && pointer.tracked ? painter.reach[0]! : -1;
     ray.show(pointer.origin, pointer.direction);
   }

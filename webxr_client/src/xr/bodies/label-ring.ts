@@ -32,7 +32,7 @@ const TILT = 35 * DEGREE;
 const [SMALL, ON, OVER] = [0.45, 0.0015, 0.02];
 const UP = new Vector3(0, 1, 0);
 /** The name is where no hints of the hand are. */
-const NAME = { up: 0.03, away: SIZES.tips.away };
+const NAME = { up: 0.03, distance: SIZES.tips.distance };
 const BESIDE = { left: { ...NAME, right: 0.09 }, right: { ...NAME, right: -0.09 } };
 
 export class LabelRing {

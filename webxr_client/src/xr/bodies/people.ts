@@ -23,7 +23,7 @@ import { Sign } from '../drawing/sign';
 import { SIZES } from '../drawing/sizes';
 import { tint } from '../drawing/tint';
 
-const FACING = { right: 0, up: 0, away: SIZES.name.away };
+const FACING = { right: 0, up: 0, distance: SIZES.name.distance };
 /** Looks of bodies: opaque colours, and translucent ones. */
 const SOLID = { vertexColors: true, transparent: true };
 const CLEAR = { ...SOLID, depthWrite: false };

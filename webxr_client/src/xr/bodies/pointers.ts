@@ -38,7 +38,7 @@ export interface Changes {
   /** The brush has changed to another pointer, or to none. */
   brushGone(): void;
   /** Show a message. */
-  say(text: string): void;
+  showMessage(text: string): void;
 }
 
 export class Pointers {
@@ -146,7 +146,7 @@ export class Pointers {
     if (this.bodyFor(source, primary)) return;
     const kind = kindOf(source);
     const input = kind ? this.poses.add(source) : -1;
-    if (!kind) this.changes.say(unknownInput(source));
+    if (!kind) this.changes.showMessage(unknownInput(source));
     if (!kind || input < 0) {
       this.refused.add(source);
       return;
@@ -201,7 +201,8 @@ export class Pointers {
     const before = this.standIn;
     const name = nameOf(brush, brush.kind.name);
     this.standIn = isOf(wished, brush) ? '' : `The ${name} paints now`;
-    if (this.standIn !== before) this.changes.say(this.standIn || `The ${name} paints again`);
+    if (this.standIn !== before)
+      this.changes.showMessage(this.standIn || `The ${name} paints again`);
   }
 
   /** Let the hands change as soon as they may. */
@@ -275,7 +276,7 @@ export class Pointers {
     const before = awaited[0]!;
     awaited[0] = before + seconds[0]!;
     if (before >= NO_INPUT_SECONDS || !(awaited[0] >= NO_INPUT_SECONDS)) return;
-    this.changes.say(firstWords(this.session, peek(xrSettings).hands));
+    this.changes.showMessage(firstWords(this.session, peek(xrSettings).hands));
   }
 
   /** Say that a controller has gone, unless it or a hand in its place was there again in a moment. */
@@ -287,7 +288,7 @@ export class Pointers {
       if (!back && since[0] < MISSED) continue;
       this.lostControllers.splice(i, 1);
       const meanwhile = this.standIn && `\n${this.standIn}`;
-      if (!back) this.changes.say(`The ${name} is disconnected:\n${SWITCH_ON}${meanwhile}`);
+      if (!back) this.changes.showMessage(`The ${name} is disconnected:\n${SWITCH_ON}${meanwhile}`);
     }
   }
 
@@ -310,7 +311,7 @@ export class Pointers {
     const missed = unseen[0]! >= MISSED;
     unseen[0] = unseen[0]! + seconds[0]!;
     if (missed || unseen[0] < MISSED) return;
-    this.changes.say(
+    this.changes.showMessage(
       `The headset does not see the ${nameOf(pointer, pointer.kind.name)}:\n${SHOW}`,
     );
   }

@@ -42,7 +42,7 @@ export class Tips {
   readonly box = new Box3();
   private tips: readonly Tip[] = [];
   private rows: Row[] = [];
-  private readonly facing = { right: 0, up: 0, away: SIZES.tips.away };
+  private readonly facing = { right: 0, up: 0, distance: SIZES.tips.distance };
   private readonly shift = new Float64Array(2);
   /** Side of the hand on which the words lie: 1 is to the right. */
   private aside = 1;

@@ -12,7 +12,7 @@ describe('what faces the eyes', () => {
 
   it('is turned to them, upright, wherever it stands beside its place', () => {
     const object = new Object3D();
-    faceEyes(object, at, eyes, { right: 0.07, up: 0.2, away: 9 });
+    faceEyes(object, at, eyes, { right: 0.07, up: 0.2, distance: 9 });
     const middle = placeOf(object, 0, 0, 0);
     const out = placeOf(object, 0, 0, 1).sub(middle);
     expect(out.length()).toBeCloseTo(1, 6);
@@ -27,12 +27,15 @@ describe('what faces the eyes', () => {
     expect(middle.y).toBeGreaterThan(at.y + 0.1);
   });
 
-  it.each([0.3, 0.55, 0.8, 3])('is never seen smaller than at its own distance: %f m', (away) => {
-    const object = new Object3D();
-    const from = new Vector3(0, 1.5, 0);
-    faceEyes(object, from, new Vector3(0, 1.5, away), { right: 0, up: 0, away: 0.55 });
-    const height = placeOf(object, 0, 0.01, 0).y - from.y;
-    expect(height / away).toBeGreaterThanOrEqual(0.01 / 0.55 - 1e-9);
-    if (away < 0.55) expect(height).toBeCloseTo(0.01, 9);
-  });
+  it.each([0.3, 0.55, 0.8, 3])(
+    'is never seen smaller than at its own distance: %f m',
+    (distance) => {
+      const object = new Object3D();
+      const from = new Vector3(0, 1.5, 0);
+      faceEyes(object, from, new Vector3(0, 1.5, distance), { right: 0, up: 0, distance: 0.55 });
+      const height = placeOf(object, 0, 0.01, 0).y - from.y;
+      expect(height / distance).toBeGreaterThanOrEqual(0.01 / 0.55 - 1e-9);
+      if (distance < 0.55) expect(height).toBeCloseTo(0.01, 9);
+    },
+  );
 });

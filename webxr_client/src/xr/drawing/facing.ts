@@ -6,7 +6,7 @@ export interface Facing {
   readonly right: number;
   readonly up: number;
   /** Metres at which it has its own size; farther away it grows. */
-  readonly away: number;
+  readonly distance: number;
 }
 
 /**
@@ -21,18 +21,18 @@ export function faceEyes(object: Object3D, at: Vector3, eyes: Vector3, facing: F
     const a = eyes.x - x;
     const b = eyes.y - y;
     const c = eyes.z - z;
-    const away = Math.max(1e-6, Math.sqrt(a * a + b * b + c * c));
+    const eyeDistance = Math.max(1e-6, Math.sqrt(a * a + b * b + c * c));
     const level = Math.max(1e-6, Math.sqrt(a * a + c * c));
-    const grown = Math.max(1, away / facing.away);
+    const grown = Math.max(1, eyeDistance / facing.distance);
     // Its own axes, as columns: to the right, up, and to the eyes.
     m[0] = (grown * c) / level;
     m[2] = (-grown * a) / level;
-    m[4] = (-grown * b * a) / (level * away);
-    m[5] = (grown * level) / away;
-    m[6] = (-grown * b * c) / (level * away);
-    m[8] = (grown * a) / away;
-    m[9] = (grown * b) / away;
-    m[10] = (grown * c) / away;
+    m[4] = (-grown * b * a) / (level * eyeDistance);
+    m[5] = (grown * level) / eyeDistance;
+    m[6] = (-grown * b * c) / (level * eyeDistance);
+    m[8] = (grown * a) / eyeDistance;
+    m[9] = (grown * b) / eyeDistance;
+    m[10] = (grown * c) / eyeDistance;
     if (pass > 0) break;
     x += facing.right * m[0] + facing.up * m[4];
     y += facing.up * m[5];

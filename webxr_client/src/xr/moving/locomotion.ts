@@ -98,7 +98,7 @@ export class Locomotion {
   }
 
   /** Make the next press a teleport to its target, for inputs without a stick. */
-  ask(): void {
+  armTeleport(): void {
     this.isArmed = true;
     this.pressed = false;
   }

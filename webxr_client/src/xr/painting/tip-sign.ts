@@ -17,7 +17,7 @@ import { roomWay } from '../../tools/ways';
 
 /** Milliseconds for which a new label's name is shown. */
 const LABEL_MS = 1500;
-const BESIDE = { right: 0.02, up: 0.09, away: SIZES.tips.away };
+const BESIDE = { right: 0.02, up: 0.09, distance: SIZES.tips.distance };
 
 export class TipSign {
   readonly group = new Group();

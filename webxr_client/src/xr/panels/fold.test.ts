@@ -35,9 +35,9 @@ describe('a folded panel', () => {
   it('takes no press that was meant for its handle', () => {
     const fold = new Fold();
     fold.set(false);
-    expect(fold.young).toBe(true);
+    expect(fold.isJustUnfolded).toBe(true);
     for (let i = 0; i < 4; i++) fold.update(ray, false, picture);
-    expect(fold.young).toBe(false);
+    expect(fold.isJustUnfolded).toBe(false);
   });
 });
 

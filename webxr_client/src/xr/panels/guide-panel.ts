@@ -3,7 +3,7 @@ import { change } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import { INK, type Ui } from '../drawing/ui';
 import { Panel } from './panel';
-import { asking } from './timeline-tracking';
+import { questionOpen } from './timeline-tracking';
 
 /** Ems: middles of the two lines, and the buttons' width and height. */
 const [TITLE, HOW, BUTTON, HIGH] = [1.5, 3.8, 5.2, 2.1];
@@ -17,7 +17,7 @@ export class GuidePanel extends Panel {
 
   /** The instruction depends on the held inputs; the panel is hidden during a question. */
   override update(now: number): void {
-    this.mesh.visible = !asking.peek();
+    this.mesh.visible = !questionOpen.peek();
     const how = this.guide.how();
     if (how !== this.how) this.touch();
     this.how = how;

@@ -11,10 +11,10 @@ import { noticeText } from './notice-text';
 import { follow } from '../../store/watch';
 
 /** Metres ahead and below the eyes, and metres from this place beyond which it jumps there. */
-const AWAY = 1;
+const AHEAD = 1;
 const BELOW = 0.22;
 const FAR = 1.5;
-const FACING = { right: 0, up: 0, away: SIZES.message.away };
+const FACING = { right: 0, up: 0, distance: SIZES.message.distance };
 const STAY_MS = 4000;
 /** Time to read a letter beyond the first line, milliseconds. */
 const READ_MS = 40;
@@ -22,7 +22,7 @@ const READ_MS = 40;
 export class Hud {
   readonly group = new Group();
   private readonly sign = new Sign({ em: SIZES.message.em, order: 130 });
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
   private own = '';
   private ownUntil = 0;
   /** A lasting notice, which comes first. */
@@ -37,16 +37,16 @@ export class Hud {
       follow(() => {
         const notice = state.notices.value.at(-1);
         // The question beside the object says it.
-        if (notice && !notice.title.startsWith(DOUBT_PREFIX)) this.say(noticeText(notice));
+        if (notice && !notice.title.startsWith(DOUBT_PREFIX)) this.showMessage(noticeText(notice));
       }),
     ];
-    this.unfollow = () => {
+    this.unsubscribe = () => {
       for (const stop of stops) stop();
     };
   }
 
   /** Show a message for a while, because it cannot be dismissed here. */
-  say(text: string): void {
+  showMessage(text: string): void {
     this.own = text;
     const [first = ''] = text.split('\n');
     this.ownUntil = performance.now() + STAY_MS + READ_MS * (text.length - first.length);
@@ -57,7 +57,7 @@ export class Hud {
     if (!this.sign.mesh.visible) return;
     const { at, goal } = this;
     // In the rig's own space, so that it comes along when one teleports.
-    goal.copy(rig.head).addScaledVector(rig.ahead, AWAY);
+    goal.copy(rig.head).addScaledVector(rig.ahead, AHEAD);
     goal.y -= BELOW;
     rig.group.worldToLocal(goal);
     const far = at.distanceToSquared(goal) > FAR * FAR;
@@ -66,7 +66,7 @@ export class Hud {
   }
 
   dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     this.sign.dispose();
     this.group.removeFromParent();
   }

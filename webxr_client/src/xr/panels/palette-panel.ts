@@ -54,7 +54,7 @@ function tabOf(page: Page): Tab {
 
 export interface PaletteControls extends WorldControls {
   /** Put the palette away. */
-  putAway(): void;
+  foldPalette(): void;
   toggleTimeline(): void;
 }
 
@@ -78,7 +78,7 @@ export class PalettePanel extends Panel {
   private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
   private readonly glow = new Glow(CHIPS);
   private readonly keyboard: SystemKeyboard;
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
 
   constructor(
     private readonly controls: PaletteControls,
@@ -99,7 +99,7 @@ export class PalettePanel extends Panel {
     this.mesh.add(this.glow.mesh);
     const { palette, counts, activeLabel: active, solo, tool, brush, view, undo, redo } = state;
     const { sequence, sequences } = state;
-    this.unfollow = watch(
+    this.unsubscribe = watch(
       [
         sequence,
         sequences,
@@ -125,7 +125,7 @@ export class PalettePanel extends Panel {
   }
 
   override dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     this.edit.dispose();
     this.keyboard.close();
     this.glow.dispose();
@@ -247,7 +247,7 @@ export class PalettePanel extends Panel {
       controls.toggleTimeline(),
     );
     ui.button(left, lower, side, h, { icon: 'hidden', text: 'Put away', ...aside }, () =>
-      controls.putAway(),
+      controls.foldPalette(),
     );
   }
 }

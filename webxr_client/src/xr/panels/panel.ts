@@ -43,7 +43,7 @@ export abstract class Panel {
   readonly heldAt = new Vector2();
   /** Drawn faintly over the scene, so that a panel behind nearer points is still visible. */
   private readonly veil: Mesh<PlaneGeometry, MeshBasicMaterial>;
-  readonly away = new Float64Array(1);
+  readonly distance = new Float64Array(1);
   private readonly fold = new Fold();
 
   constructor(
@@ -100,7 +100,7 @@ export abstract class Panel {
 
   /** Whether it is unfolded, and its buttons can be pressed. */
   get open(): boolean {
-    return !this.folded && !this.fold.young;
+    return !this.folded && !this.fold.isJustUnfolded;
   }
 
   /** Fold to the handle, or unfold; drawn buttons are disabled. */
@@ -115,8 +115,8 @@ export abstract class Panel {
   }
 
   /** Once per picture: see `Fold.update`. */
-  updateFold(...asked: Parameters<Fold['update']>): void {
-    if (this.size.handle && this.fold.update(...asked)) this.setFolded(!this.folded);
+  updateFold(...args: Parameters<Fold['update']>): void {
+    if (this.size.handle && this.fold.update(...args)) this.setFolded(!this.folded);
   }
 
   /** The middle of its visible part, or a place −1..1 from there, in the headset's own space. */
@@ -169,7 +169,7 @@ export abstract class Panel {
     const v = 0.5 - (this.from.y + this.way.y * distance) / this.size.height;
     if (!this.takes(u, v)) return false;
     this.heldAt.set((u - 0.5) * this.size.width, (0.5 - v) * this.size.height);
-    this.away[0] = distance * this.grown();
+    this.distance[0] = distance * this.grown();
     return true;
   }
 
@@ -178,12 +178,12 @@ export abstract class Panel {
     if (!this.mesh.visible || !this.mesh.parent?.visible) return false;
     const { from, inverse } = this;
     from.copy(tip).applyMatrix4(inverse.copy(this.mesh.matrixWorld).invert());
-    const away = from.z * this.grown();
-    if (away > reach || away < -THROUGH) return false;
+    const distance = from.z * this.grown();
+    if (distance > reach || distance < -THROUGH) return false;
     const u = from.x / this.size.width + 0.5;
     const v = 0.5 - from.y / this.size.height;
     if (!this.takes(u, v)) return false;
-    this.away[0] = away;
+    this.distance[0] = distance;
     return true;
   }
 
@@ -212,11 +212,11 @@ export abstract class Panel {
       this.lighten();
     }
     if (edge === 1) {
-      this.pressed = (this.fold.young ? null : ui.areas[hover]) ?? null;
+      this.pressed = (this.fold.isJustUnfolded ? null : ui.areas[hover]) ?? null;
       this.holder = by;
-      this.tell(this.pressed?.act);
+      this.callAtPointer(this.pressed?.act);
     } else if (this.pressed?.drag) {
-      this.tell(this.pressed.drag);
+      this.callAtPointer(this.pressed.drag);
     }
     if (edge === -1) this.letGo();
     return entered || edge === 1;
@@ -261,7 +261,7 @@ export abstract class Panel {
     light.position.y = height / 2 - (area.y + area.h / 2) / pixelsPerMetre;
   }
 
-  private tell(what: ((x: number, y: number) => void) | undefined): void {
+  private callAtPointer(what: ((x: number, y: number) => void) | undefined): void {
     const area = this.pressed;
     if (!area || !what) return;
     const share = (value: number): number => Math.min(1, Math.max(0, value));

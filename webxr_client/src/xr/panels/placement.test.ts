@@ -1,7 +1,7 @@
 import { Group, Matrix4, Object3D, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { Panel } from './panel';
-import { type Hung, PaletteSpot, Placement, PLACEMENT } from './placement';
+import { type PanelLevel, PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Poses } from '../input/poses';
 import { Rig } from '../moving/rig';
 import { degrees, LEAST_DEGREES, SIZES } from '../drawing/sizes';
@@ -27,14 +27,14 @@ function eye(down: number): PerspectiveCamera {
 
 type Placed = Record<'middle' | 'edge' | 'corner' | 'top', Vector3>;
 
-function placed(eyes: Vector3, down = 45, hung: Hung = 'low'): Placed {
+function placed(eyes: Vector3, down = 45, level: PanelLevel = 'low'): Placed {
   const rig = standing(eyes);
   rig.sight.take([eye(down), eye(48)]);
   const mesh = new Object3D();
   const placement = new Placement(rig);
   placement.face();
   const size = { width: 2 * HALF_WIDTH, height: 2 * HALF_HEIGHT };
-  placement.hangTimeline({ mesh, size } as unknown as Panel, hung);
+  placement.hangTimeline({ mesh, size } as unknown as Panel, level);
   return {
     middle: new Vector3().setFromMatrixPosition(mesh.matrix),
     edge: new Vector3(0, -HALF_HEIGHT, 0).applyMatrix4(mesh.matrix),
@@ -57,8 +57,8 @@ describe('the timeline', () => {
     const { middle, corner } = placed(eyes);
     expect(below(eyes, middle)).toBeGreaterThanOrEqual(15);
     expect(below(eyes, middle)).toBeLessThanOrEqual(30);
-    const away = corner.distanceTo(eyes);
-    expect(degrees({ ...SIZES.timeline, away })).toBeGreaterThanOrEqual(LEAST_DEGREES);
+    const distance = corner.distanceTo(eyes);
+    expect(degrees({ ...SIZES.timeline, distance })).toBeGreaterThanOrEqual(LEAST_DEGREES);
   });
 
   it('has its handle in the picture, however little a device sees', () => {
@@ -96,7 +96,7 @@ describe('the timeline', () => {
     const eyes = new Vector3(0, 1.6, 0);
     const rig = standing(eyes);
     const mesh = new Object3D();
-    const held = { mesh, heldAt: { x: 0.1, y: -0.25 }, away: Float64Array.of(1.2) };
+    const held = { mesh, heldAt: { x: 0.1, y: -0.25 }, distance: Float64Array.of(1.2) };
     const by = { origin: new Vector3(0.2, 1.1, -0.2), direction: new Vector3(0.6, 0, -0.8) };
     new Placement(rig).carry(held as unknown as Panel, by);
     const bar = new Vector3(0.1, -0.25, 0).applyMatrix4(mesh.matrix);
@@ -128,25 +128,25 @@ describe('the palette', () => {
 
   it('is asked for by a palm that is turned to the eyes for a moment, once', () => {
     const spot = new PaletteSpot();
-    const asked = Array.from({ length: 9 }, () => {
+    const requests = Array.from({ length: 9 }, () => {
       spot.update(true, false, TO_THE_EYES, seconds);
-      return spot.asked;
+      return spot.isRequested;
     });
-    expect(asked.filter(Boolean)).toHaveLength(1);
-    expect(asked[0]).toBe(false);
+    expect(requests.filter(Boolean)).toHaveLength(1);
+    expect(requests[0]).toBe(false);
   });
 
   it('is not asked for by a palm that is turned for a system gesture, which pinches at once', () => {
     const spot = new PaletteSpot();
     for (const palm of [TO_THE_EYES, TO_THE_EYES, 0, TO_THE_EYES, TO_THE_EYES, TO_THE_EYES]) {
       spot.update(true, false, palm, seconds);
-      expect(spot.asked).toBe(false);
+      expect(spot.isRequested).toBe(false);
     }
   });
 });
 
 describe('a question', () => {
-  const asked = (eyes: Vector3): { mesh: Object3D; placement: Placement; panel: Panel } => {
+  const placeQuestion = (eyes: Vector3): { mesh: Object3D; placement: Placement; panel: Panel } => {
     const mesh = new Object3D();
     const placement = new Placement(standing(eyes));
     placement.face();
@@ -156,7 +156,7 @@ describe('a question', () => {
 
   it('hangs beside the whole of a model', () => {
     const eyes = new Vector3(0, 1.6, 0);
-    const { mesh, placement, panel } = asked(eyes);
+    const { mesh, placement, panel } = placeQuestion(eyes);
     const [middle, radius] = [new Vector3(0, 1.2, -1.2), 0.3];
     placement.layBeside(panel, middle, radius);
     const left = new Vector3(-0.2225, 0, 0).applyMatrix4(mesh.matrix);
@@ -170,7 +170,7 @@ describe('a question', () => {
     ['to the left of them', -0.6],
   ])('hangs beside an object %s, nearer to straight ahead, and hides none of it', (_where, x) => {
     const eyes = new Vector3(0, 1.6, 0);
-    const { mesh, placement, panel } = asked(eyes);
+    const { mesh, placement, panel } = placeQuestion(eyes);
     const object = new Vector3(x, 1.4, -1.5);
     placement.layBeside(panel, object);
     const middle = new Vector3().setFromMatrixPosition(mesh.matrix);

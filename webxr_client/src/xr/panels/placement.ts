@@ -11,7 +11,7 @@ const DEGREE = Math.PI / 180;
 /** Angles in radians, lengths in metres. */
 export const PLACEMENT = {
   /** Metres from the eyes to a panel's middle; farther panels grow.  A detached palette is nearer. */
-  away: 0.85,
+  distance: 0.85,
   nearer: 0.7,
   /** The lower edge of a panel that hangs, where its handle is, below the eyes' height … */
   edge: 43 * DEGREE,
@@ -34,14 +34,14 @@ export const PLACEMENT = {
   farthest: 3,
 } as const;
 
-const FACING: Facing = { right: 0, up: 0, away: PLACEMENT.away };
-const BESIDE: Facing = { right: 0, up: 0, away: SIZES.palette.away };
+const FACING: Facing = { right: 0, up: 0, distance: PLACEMENT.distance };
+const BESIDE: Facing = { right: 0, up: 0, distance: SIZES.palette.distance };
 
 /**
  * Place of a panel's lower edge: low in the picture, over a handle that is there, a handle's height
  * under a model, or all of the panel under that.
  */
-export type Hung = 'low' | 'raised' | 'between' | 'under';
+export type PanelLevel = 'low' | 'raised' | 'between' | 'under';
 
 /**
  * The place that is seen from `eyes` so far to the left and so far down, radians, of where `yaw`
@@ -52,13 +52,13 @@ function seenAt(
   yaw: number,
   left: number,
   down: number,
-  away: number,
+  distance: number,
   out: Vector3,
 ): Vector3 {
-  const level = away * Math.cos(down);
+  const level = distance * Math.cos(down);
   return out.set(
     eyes.x - Math.sin(yaw + left) * level,
-    eyes.y - away * Math.sin(down),
+    eyes.y - distance * Math.sin(down),
     eyes.z - Math.cos(yaw + left) * level,
   );
 }
@@ -88,38 +88,39 @@ export class Placement {
    * straight ahead; see `seenAt`.
    */
   layBeside({ mesh, size }: Panel, object: Vector3, radius = 0): void {
-    const away = this.held.subVectors(object, this.rig.headInRig);
-    const turn = Math.atan2(-away.x, -away.z) - this.yaw;
+    const offset = this.held.subVectors(object, this.rig.headInRig);
+    const turn = Math.atan2(-offset.x, -offset.z) - this.yaw;
     const left = Math.atan2(Math.sin(turn), Math.cos(turn));
-    const { away: distance, apart, besideObject } = PLACEMENT;
-    const half = Math.asin(Math.min(1, radius / Math.max(1e-6, Math.hypot(away.x, away.z))));
+    const { distance, apart, besideObject } = PLACEMENT;
+    const half = Math.asin(Math.min(1, radius / Math.max(1e-6, Math.hypot(offset.x, offset.z))));
     const clear = half + Math.atan2(size.width / 2, distance) + apart;
     const aside = left + (left > 0 ? -1 : 1) * Math.max(besideObject, radius && clear);
     if (Math.abs(aside) > PLACEMENT.farAside) return;
-    const down = -Math.asin(away.y / Math.max(1e-6, away.length()));
+    const down = -Math.asin(offset.y / Math.max(1e-6, offset.length()));
     const { question } = PLACEMENT;
     this.hang(mesh, aside, MathUtils.clamp(down, question, -question), FACING);
   }
 
   /** Hang the timeline straight ahead. */
-  hangTimeline({ mesh, size }: Panel, hung: Hung = 'low'): void {
-    this.hang(mesh, 0, this.middleOf(size.height / FACING.away, hung), FACING);
+  hangTimeline({ mesh, size }: Panel, level: PanelLevel = 'low'): void {
+    this.hang(mesh, 0, this.middleOf(size.height / FACING.distance, level), FACING);
   }
 
   /** Hang the palette, its handle beside that of the timeline. */
-  hangPalette({ mesh, size }: Panel, hung: Hung = 'low'): void {
+  hangPalette({ mesh, size }: Panel, level: PanelLevel = 'low'): void {
     const { beside, nearer } = PLACEMENT;
-    this.hang(mesh, beside, this.middleOf(size.height / BESIDE.away, hung), BESIDE, nearer);
+    this.hang(mesh, beside, this.middleOf(size.height / BESIDE.distance, level), BESIDE, nearer);
   }
 
   /** Return how far below the eyes' height the middle of a panel hangs; `height`: a share of its distance. */
-  private middleOf(height: number, hung: Hung): number {
+  private middleOf(height: number, level: PanelLevel): number {
     const half = Math.atan(height / 2);
     const { edge, inside, handle } = PLACEMENT;
     const lowest = Math.min(edge, this.rig.sight.down - inside);
     const under = MODEL.below + handle;
     return (
-      { low: lowest, raised: lowest - handle, between: under, under: under + 2 * half }[hung] - half
+      { low: lowest, raised: lowest - handle, between: under, under: under + 2 * half }[level] -
+      half
     );
   }
 
@@ -128,10 +129,10 @@ export class Placement {
     left: number,
     down: number,
     facing: Facing,
-    away: number = PLACEMENT.away,
+    distance: number = PLACEMENT.distance,
   ): void {
     const { headInRig } = this.rig;
-    faceEyes(panel, seenAt(headInRig, this.yaw, left, down, away, this.at), headInRig, facing);
+    faceEyes(panel, seenAt(headInRig, this.yaw, left, down, distance, this.at), headInRig, facing);
   }
 
   /** Move a panel held by its bar with the ray, facing the eyes. */
@@ -139,7 +140,7 @@ export class Placement {
     const { at, middle, rig } = this;
     const { headInRig } = rig;
     const { matrix } = panel.mesh;
-    at.copy(by.origin).addScaledVector(by.direction, panel.away[0]!);
+    at.copy(by.origin).addScaledVector(by.direction, panel.distance[0]!);
     rig.group.worldToLocal(at).sub(headInRig);
     at.clampLength(PLACEMENT.nearest, PLACEMENT.farthest).add(headInRig);
     middle.copy(at);
@@ -159,13 +160,13 @@ type Spot = 'hand' | 'beside' | 'away';
 /** Seconds out of sight after which a hand counts as missing. */
 const MISSING = 0.7;
 /** Cosine between the palm and the eyes from which it is turned to them, and below which no more. */
-const [TURNED, TURNED_AWAY] = [0.75, 0.5];
+const [FACING_FROM, FACING_UNTIL] = [0.75, 0.5];
 /** Seconds for which a palm is turned before it asks for the palette: a system gesture pinches earlier. */
-const ASKS = 0.4;
+const REQUEST_SECONDS = 0.4;
 
 export class PaletteSpot {
   /** In this picture a palm turned to the eyes has asked for it. */
-  asked = false;
+  isRequested = false;
   private turned = false;
   private readonly turnedFor = new Float64Array(1);
   /** Seconds since a hand was there to hold it. */
@@ -175,15 +176,15 @@ export class PaletteSpot {
    * Once per picture; `palm`: how much the holding hand's palm faces the eyes, while it is there and
    * pinches nothing.
    */
-  update(there: boolean, painting: boolean, palm: number, seconds: Float64Array): Spot {
-    this.missing[0] = there ? 0 : this.missing[0]! + seconds[0]!;
-    const turned = there && palm > (this.turned ? TURNED_AWAY : TURNED);
+  update(isPresent: boolean, painting: boolean, palm: number, seconds: Float64Array): Spot {
+    this.missing[0] = isPresent ? 0 : this.missing[0]! + seconds[0]!;
+    const turned = isPresent && palm > (this.turned ? FACING_UNTIL : FACING_FROM);
     const before = this.turnedFor[0]!;
     this.turnedFor[0] = turned ? before + seconds[0]! : 0;
-    this.asked = before < ASKS && this.turnedFor[0] >= ASKS;
+    this.isRequested = before < REQUEST_SECONDS && this.turnedFor[0] >= REQUEST_SECONDS;
     this.turned = turned;
     if (painting) return 'away';
-    if (there) return 'hand';
+    if (isPresent) return 'hand';
     return this.handless ? 'beside' : 'away';
   }
 

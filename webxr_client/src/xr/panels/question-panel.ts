@@ -4,18 +4,18 @@ import { canReview, state, trackingJob } from '../../store/state';
 import { follow, watch } from '../../store/watch';
 import { Panel } from './panel';
 import { SIZES } from '../drawing/sizes';
-import { asking, drawDoubt, drawMended, Row } from './timeline-tracking';
+import { questionOpen, drawDoubt, drawMended, Row } from './timeline-tracking';
 import type { Ui } from '../drawing/ui';
 
 /** Ems: the text, the answers, and the button below them. */
-const [WORDS_AT, ANSWERS_AT, ONWARD_AT] = [0.2, 4, 6.6];
+const [TEXT_TOP, ANSWERS_TOP, LATER_TOP] = [0.2, 4, 6.6];
 /** Letters of a line of words. */
 const LETTERS = 32;
 
 export class QuestionPanel extends Panel {
   /** The run that was answered with "Later". */
   private later: object | null = null;
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
 
   /** `lay`: bring it before the eyes, once for each question. */
   constructor(lay: () => void) {
@@ -24,33 +24,33 @@ export class QuestionPanel extends Panel {
     const redraw = watch([unsure, stretch, halted, canReview, state.palette], this.touch);
     const ask = follow(() => {
       const run = halted.value;
-      const here = run !== null && (unsure.value.length > 0 || run.at === state.frame.value);
-      const asks = here && run !== this.later && trackingJob.value === null;
+      const isAtDoubt = run !== null && (unsure.value.length > 0 || run.at === state.frame.value);
+      const asks = isAtDoubt && run !== this.later && trackingJob.value === null;
       if (asks && !this.mesh.visible) lay();
-      this.mesh.visible = asking.value = asks;
+      this.mesh.visible = questionOpen.value = asks;
       this.touch();
     });
-    this.unfollow = () => {
+    this.unsubscribe = () => {
       redraw();
       ask();
-      asking.value = false;
+      questionOpen.value = false;
     };
   }
 
   override dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     super.dispose();
   }
 
   protected override draw(ui: Ui): void {
     const { em } = ui;
-    const words = new Row(ui, em * WORDS_AT, LETTERS);
-    const [answers, onward] = [new Row(ui, em * ANSWERS_AT), new Row(ui, em * ONWARD_AT)];
-    onward.button(6.5, { text: 'Later', strong: true }, () => {
+    const textRow = new Row(ui, em * TEXT_TOP, LETTERS);
+    const [answerRow, laterRow] = [new Row(ui, em * ANSWERS_TOP), new Row(ui, em * LATER_TOP)];
+    laterRow.button(6.5, { text: 'Later', strong: true }, () => {
       this.later = halted.peek();
-      this.mesh.visible = asking.value = false;
+      this.mesh.visible = questionOpen.value = false;
     });
-    if (unsure.peek().length > 0) drawDoubt(words, answers, onward);
-    else if (halted.peek()) drawMended(words, onward);
+    if (unsure.peek().length > 0) drawDoubt(textRow, answerRow, laterRow);
+    else if (halted.peek()) drawMended(textRow, laterRow);
   }
 }

@@ -87,11 +87,11 @@ export class Readout {
     const frame = state.frame.peek();
     this.mesh.visible = info !== null;
     this.mesh.position.set(x, y, 0.001);
-    if (info) this.tell(info, frame);
+    if (info) this.updateText(info, frame);
     this.mesh.geometry.setDrawRange(0, CORNERS.length * (brief ? this.numbers : this.count));
   }
 
-  private tell(info: SequenceInfo, frame: number): void {
+  private updateText(info: SequenceInfo, frame: number): void {
     if (frame === this.frame && info.id === this.sequence) return;
     this.frame = frame;
     this.sequence = info.id;

@@ -5,7 +5,7 @@ import { faceEyes } from '../drawing/facing';
 import type { WorldControls } from './pages/view';
 import { PalettePanel } from './palette-panel';
 import { palmFacing } from '../input/palm';
-import { type Hung, PaletteSpot, Placement, PLACEMENT } from './placement';
+import { type PanelLevel, PaletteSpot, Placement, PLACEMENT } from './placement';
 import type { Panel } from './panel';
 import type { Pointer } from '../input/pointer';
 import { QuestionPanel } from './question-panel';
@@ -16,7 +16,7 @@ import { SIZES } from '../drawing/sizes';
 import { TimelinePanel } from './timeline-panel';
 
 /** Offset of the palette's middle from the hand that holds it: above, and towards the other one. */
-const ABOVE = { up: 0.257, away: SIZES.palette.away } as const;
+const ABOVE = { up: 0.257, distance: SIZES.palette.distance } as const;
 const HELD = {
   left: { ...ABOVE, right: 0.015 },
   right: { ...ABOVE, right: -0.11 },
@@ -61,7 +61,7 @@ export class RoomPanels {
   /** The palette hangs beside the timeline's handle: no hand holds it. */
   private hangs = false;
   /** Heights of hanging panels; empty until they are placed again. */
-  private readonly hung = new Map<Panel, Hung>();
+  private readonly panelLevels = new Map<Panel, PanelLevel>();
   private readonly middle = new Vector3();
 
   constructor(
@@ -73,7 +73,7 @@ export class RoomPanels {
     this.placement = new Placement(rig);
     this.questionPlace = new QuestionPlace(engine, rig, this.placement);
     const panels = {
-      putAway: () => this.palette.setFolded(true),
+      foldPalette: () => this.palette.setFolded(true),
       toggleTimeline: () => this.toggleTimeline(),
     };
     this.palette = new PalettePanel({ ...controls, ...panels }, session);
@@ -102,23 +102,23 @@ export class RoomPanels {
   /** Place the hanging panels in front of the person's current gaze. */
   settle(): void {
     this.placement.face();
-    this.hung.clear();
+    this.panelLevels.clear();
     this.arrange();
     if (this.added) this.placement.layBefore(this.added.mesh, PLACEMENT.added);
   }
 
   /** Hang timeline and palette where they hide neither a handle nor a model, if that is elsewhere now. */
   private arrange(): void {
-    const { hung, palette, timeline, placement } = this;
+    const { panelLevels, palette, timeline, placement } = this;
     const { handless } = this.spot;
     const model = this.engine.viewer.world.scale.x < 1;
     const forTimeline = timeline.folded ? 'low' : model ? 'under' : handless ? 'raised' : 'low';
-    if (hung.get(timeline) !== forTimeline) placement.hangTimeline(timeline, forTimeline);
-    hung.set(timeline, forTimeline);
+    if (panelLevels.get(timeline) !== forTimeline) placement.hangTimeline(timeline, forTimeline);
+    panelLevels.set(timeline, forTimeline);
     if (!handless) return;
     const forPalette = forTimeline === 'under' && palette.folded ? 'between' : 'low';
-    if (hung.get(palette) !== forPalette) placement.hangPalette(palette, forPalette);
-    hung.set(palette, forPalette);
+    if (panelLevels.get(palette) !== forPalette) placement.hangPalette(palette, forPalette);
+    panelLevels.set(palette, forPalette);
   }
 
   /** Unfold the timeline where one looks, or fold it. */
@@ -139,14 +139,14 @@ export class RoomPanels {
   /** Place the palette, and fade panels in front of the points during a stroke. */
   update(holder: Holder | null, painting: boolean, seconds: Float64Array): void {
     const { palette, timeline, rig } = this;
-    const there = holder?.tracked === true;
-    const free = there && !holder.pinching;
+    const isTracked = holder?.tracked === true;
+    const free = isTracked && !holder.pinching;
     const palm = free ? palmFacing(holder.grip.matrix, holder.side, rig.headInRig) : 0;
-    const spot = this.spot.update(there, painting, palm, seconds);
-    if (this.spot.asked) palette.setFolded(false);
+    const spot = this.spot.update(isTracked, painting, palm, seconds);
+    if (this.spot.isRequested) palette.setFolded(false);
     if (spot === 'hand') {
       faceEyes(palette.mesh, holder!.grip.position, rig.headInRig, HELD[holder!.side]);
-      this.hung.delete(palette);
+      this.panelLevels.delete(palette);
     }
     this.hangs = spot === 'beside';
     this.arrange();

@@ -10,7 +10,7 @@ import { frameToX, xToFrame, type Span } from '../../panels/timeline/layout';
 import { HANDLE_EMS, Panel } from './panel';
 import { Readout } from './readout';
 import { SIZES } from '../drawing/sizes';
-import { asking, drawTracking } from './timeline-tracking';
+import { questionOpen, drawTracking } from './timeline-tracking';
 import { FONT, INK, type ButtonLook, type Ui } from '../drawing/ui';
 import { watch } from '../../store/watch';
 
@@ -43,7 +43,7 @@ export class TimelinePanel extends Panel {
   /** Moved in every frame, so that playing does not draw the panel anew. */
   private readonly head: Mesh<PlaneGeometry, MeshBasicMaterial>;
   private readonly span: { first: number; length: number } = { first: 0, length: 1 };
-  private readonly unfollow: () => void;
+  private readonly unsubscribe: () => void;
   private offered = -1;
   private strips = { x: 0, y: 0, w: 1, h: 1 };
   private readonly readout: Readout;
@@ -93,19 +93,19 @@ export class TimelinePanel extends Panel {
         halted,
         unsure,
         stretch,
-        asking,
+        questionOpen,
       ],
       this.touch,
     );
     const later = watch([loaded, timeline, jobs], () => (this.stale = true));
-    this.unfollow = () => {
+    this.unsubscribe = () => {
       soon();
       later();
     };
   }
 
   override dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
     this.readout.dispose();
     this.head.geometry.dispose();
     this.head.material.dispose();

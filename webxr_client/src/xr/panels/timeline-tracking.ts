@@ -12,13 +12,13 @@ import { INK, type Ui } from '../drawing/ui';
 const SOME = 30;
 
 /** The question panel asks about this frame: the row below the timeline does not ask as well. */
-export const asking = signal(false);
+export const questionOpen = signal(false);
 
 export function drawTracking(ui: Ui, frames: number, top: number): void {
   const row = new Row(ui, top);
   const job = trackingJob.peek();
   if (job) drawRun(row, job);
-  else if (asking.peek()) row.say('Answer the question beside the object', INK.warn);
+  else if (questionOpen.peek()) row.drawText('Answer the question beside the object', INK.warn);
   else if (unsure.peek().length > 0) drawDoubt(row, row, row);
   else if (halted.peek()?.at === state.frame.peek()) drawMended(row, row);
   else if (frameRange.peek()) drawRange(row);
@@ -38,7 +38,7 @@ export class Row {
     this.right = ui.width - ui.em * 0.5;
   }
 
-  say(text: string, color: string = INK.text): void {
+  drawText(text: string, color: string = INK.text): void {
     const { em } = this.ui;
     const x = em * 0.8;
     lines(text, this.letters).forEach((line, i) => {
@@ -78,40 +78,40 @@ function drawRun(row: Row, job: Job): void {
   });
   if (job.progress > 0) row.bar(job.progress);
   const waits = job.progress === 0 && job.message;
-  row.say(waits || `Tracking ${Math.round(job.progress * 100)} %`);
+  row.drawText(waits || `Tracking ${Math.round(job.progress * 100)} %`);
 }
 
 /**
  * Some label is doubtful in this frame: right as it is, also in the doubtful frames round it, or
  * paint it and go on.  The rows may be the same one.
  */
-export function drawDoubt(words: Row, answers: Row, onward: Row): void {
-  onward.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
+export function drawDoubt(textRow: Row, answerRow: Row, laterRow: Row): void {
+  laterRow.button(9.5, { text: 'Continue', icon: 'track', strong: true }, () =>
     actions.tracking.continueRun(),
   );
   const disabled = !canReview.peek();
   const found = stretch.peek();
   if (found && found.stop > found.start) {
     const text = `All ${found.stop - found.start + 1} frames`;
-    answers.button(10, { text, icon: 'check', strong: true, disabled }, () => {
+    answerRow.button(10, { text, icon: 'check', strong: true, disabled }, () => {
       void actions.tracking.acceptStretch();
     });
   }
-  answers.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
+  answerRow.button(8.5, { text: 'Confirm', icon: 'check', on: true, disabled }, () => {
     void actions.tracking.acceptFrame();
   });
   const todo = disabled ? 'Correct it; reviewers can confirm it' : 'Correct or confirm it';
-  words.say(`${namesOf(unsure.peek())}: doubtful. ${todo}`, INK.warn);
+  textRow.drawText(`${namesOf(unsure.peek())}: doubtful. ${todo}`, INK.warn);
 }
 
-export function drawMended(words: Row, answers: Row): void {
+export function drawMended(textRow: Row, answerRow: Row): void {
   const run = halted.peek()!;
   if (run.stop !== run.at) {
-    answers.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
+    answerRow.button(13, { text: `Continue to ${run.stop}`, icon: 'track', on: true }, () => {
       actions.tracking.continueRun();
     });
   }
-  words.say('Corrected: you can continue', INK.good);
+  textRow.drawText('Corrected: you can continue', INK.good);
 }
 
 function drawRange(row: Row): void {
@@ -145,11 +145,11 @@ function drawOffers(row: Row, frames: number): void {
 /** Button to track the active label or all labels of the frame. */
 function offer(row: Row, labels: readonly number[], frame: number): void {
   if (labels.length === 0) {
-    row.say('Paint, then track it', INK.quiet);
+    row.drawText('Paint, then track it', INK.quiet);
     return;
   }
   const what = labels.length === 1 ? namesOf(labels) : `${labels.length} labels`;
-  if (here(frame).length < 2) row.say(`Track ${what}`);
+  if (trackableLabels(frame).length < 2) row.drawText(`Track ${what}`);
   else row.choose(`Track ${what}`, () => (all.value = !all.peek()));
 }
 
@@ -171,13 +171,13 @@ const all = signal(false);
 
 /** The active label if it is in the frame and wanted alone, else every unlocked one that is. */
 function trackable(frame: number): number[] {
-  const present = here(frame);
+  const present = trackableLabels(frame);
   const active = state.activeLabel.peek();
   return present.includes(active) && !all.peek() ? [active] : present;
 }
 
 /** Unlocked labels with points in a frame. */
-function here(frame: number): number[] {
+function trackableLabels(frame: number): number[] {
   const { rows } = state.timeline.peek();
   return state.palette
     .peek()

@@ -115,7 +115,10 @@ export class TestInputs {
       new Rig(),
       new Scene(),
       new Lessons(),
-      { brushGone: () => (this.brushChanges += 1), say: (text) => this.messages.push(text) },
+      {
+        brushGone: () => (this.brushChanges += 1),
+        showMessage: (text) => this.messages.push(text),
+      },
     );
     this.pointers.listen();
   }

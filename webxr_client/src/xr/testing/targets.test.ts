@@ -60,7 +60,7 @@ function press(panel: Panel, name: string): void {
 }
 
 const degrees = (metres: number): number =>
-  (2 * Math.atan(metres / 2 / PLACEMENT.away) * 180) / Math.PI;
+  (2 * Math.atan(metres / 2 / PLACEMENT.distance) * 180) / Math.PI;
 
 beforeAll(async () => {
   vi.stubGlobal('document', { createElement: () => ({ getContext: pen }) });
@@ -84,7 +84,7 @@ beforeAll(async () => {
     { ...task, number: 2, state: 'review', assignee: 'bob' },
   ] as unknown as typeof tasks.value;
   chosen.value = 2;
-  const controls = { putAway: nothing, toggleTimeline: nothing } as PaletteControls;
+  const controls = { foldPalette: nothing, toggleTimeline: nothing } as PaletteControls;
   const session = { isSystemKeyboardSupported: false } as unknown as XRSession;
   palette = new (await import('../panels/palette-panel')).PalettePanel(controls, session);
   const bar = { opens: nothing, hide: nothing, callPalette: nothing };

@@ -29,7 +29,7 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   );
   const label = activeLabel.peek();
   const box = chosenBox.peek();
-  told(box, label?.name).forEach((text, i) => {
+  descriptionOf(box, label?.name).forEach((text, i) => {
     ui.text(text, x + em * 0.4, top + em * (3.5 + 1.5 * i), { color: INK.quiet });
   });
   const usable = canEdit.peek() && label !== null;
@@ -37,7 +37,7 @@ export function drawBoxes(ui: Ui, x: number, top: number, inner: number): void {
   ui.strip(x, top + em * 7.7, inner, em * TILE, entries, 2);
 }
 
-function told(box: ObjectBox | null, name: string | undefined): string[] {
+function descriptionOf(box: ObjectBox | null, name: string | undefined): string[] {
   if (!canEdit.peek()) return [VIEWER];
   if (name === undefined) return ['Choose a label first'];
   if (!box) return [`${name} has no box yet`, 'Fit makes it from the points'];
@@ -50,16 +50,16 @@ function told(box: ObjectBox | null, name: string | undefined): string[] {
 
 function buttons(box: ObjectBox | null): Entry[] {
   const label = state.activeLabel.peek();
-  const here = box !== null && state.shown.peek().frame in box.poses;
+  const isInFrame = box !== null && state.shown.peek().frame in box.poses;
   const fit = (): void => void fitBoxes({ labels: [label], category: null, frames: null });
   return [
     [{ icon: 'target', text: 'Fit' }, fit],
     [{ icon: 'track', text: 'Track and fit', disabled: trackingJob.peek() !== null }, trackAndFit],
-    [{ icon: 'previous', text: 'Copy backward', disabled: !here }, () => void copyToFrame(-1)],
-    [{ icon: 'next', text: 'Copy forward', disabled: !here }, () => void copyToFrame(1)],
+    [{ icon: 'previous', text: 'Copy backward', disabled: !isInFrame }, () => void copyToFrame(-1)],
+    [{ icon: 'next', text: 'Copy forward', disabled: !isInFrame }, () => void copyToFrame(1)],
     [{ icon: 'frames', text: 'Interpolate', disabled: !box }, () => void interpolate()],
-    here || !box
-      ? [{ icon: 'points', text: 'Points from box', disabled: !here }, () => void pointsFromBox(false)]
+    isInFrame || !box
+      ? [{ icon: 'points', text: 'Points from box', disabled: !isInFrame }, () => void pointsFromBox(false)]
       : [{ icon: 'pin', text: 'Copy here' }, () => void copyToShownFrame()],
     [{ icon: 'swap', text: 'Turn round', disabled: !box }, () => void turnRound()],
   ]; // prettier-ignore

@@ -34,7 +34,7 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
       () => void makeClassifier()); // prettier-ignore
     return;
   }
-  ui.text(told(), x + em * 0.4, line(1) + em * 1.2, { color: INK.quiet });
+  ui.text(statusText(), x + em * 0.4, line(1) + em * 1.2, { color: INK.quiet });
   ui.check(x, line(2), inner, em * 2.2, 'Natural colours', natural.peek(), (on) => {
     natural.value = on;
   });
@@ -46,12 +46,12 @@ export function drawExample(ui: Ui, x: number, top: number, inner: number): void
   const ready = canEdit.peek() && tally()?.points !== 0;
   ui.button(x, line(5), inner - em * 0.2, em * 2.2,
     { icon: 'check', text: 'Apply to this frame', strong: true, align: 'left', disabled: !ready },
-    applyHere); // prettier-ignore
+    applyToFrame); // prettier-ignore
 }
 
-function applyHere(): void {
-  const here = state.frame.peek();
-  void applyPrediction(`${here}:${here + 1}`, 0);
+function applyToFrame(): void {
+  const frame = state.frame.peek();
+  void applyPrediction(`${frame}:${frame + 1}`, 0);
 }
 
 /** Return the reason why nothing can be learned yet, or "". */
@@ -64,11 +64,11 @@ function lacks(): string {
 
 /** Points that are predicted in the frame. */
 function tally(): Tally | undefined {
-  const said = predicted.peek();
-  return said ? talliesOf(said, classifier.peek()!.classes.length)[0] : undefined;
+  const prediction = predicted.peek();
+  return prediction ? talliesOf(prediction, classifier.peek()!.classes.length)[0] : undefined;
 }
 
-function told(): string {
+function statusText(): string {
   if (!canEdit.peek()) return VIEWER;
   if (question.peek()) return 'Point at the piece and push the pad, or:';
   const { points = 0, unsure = 0 } = tally() ?? {};

@@ -9,7 +9,7 @@ const HOW = [
   'Two more places, far apart,',
   'level it better.',
 ];
-const SO_FAR = ['Not set yet', 'Set by one place', 'Set by two places', 'Set by three places'];
+const PROGRESS = ['Not set yet', 'Set by one place', 'Set by two places', 'Set by three places'];
 
 export function drawFloor(ui: Ui, x: number, top: number, inner: number): void {
   const { em } = ui;
@@ -20,7 +20,7 @@ export function drawFloor(ui: Ui, x: number, top: number, inner: number): void {
   });
   const places = floorPlaces.peek();
   const color = places > 0 ? INK.good : INK.quiet;
-  ui.text(SO_FAR[places]!, x + em * 0.4, top + em * 11.4, { color, weight: 600 });
+  ui.text(PROGRESS[places]!, x + em * 0.4, top + em * 11.4, { color, weight: 600 });
   const half = inner / 2;
   const look = { strong: true } as const;
   ui.button(x, top + em * 13, inner - em * 0.2, em * 2.2,

@@ -44,8 +44,8 @@ const [PITCH, HEIGHT, COLORS, END] = [2.4, 2.2, 12.4, 17.8];
 /** The active label: another name, another colour, or gone. */
 export class EditPage {
   /** The label that was asked to be deleted; 0: none. */
-  private doomed = 0;
-  private readonly unfollow: () => void;
+  private labelToDelete = 0;
+  private readonly unsubscribe: () => void;
 
   constructor(
     private readonly touch: () => void,
@@ -53,16 +53,19 @@ export class EditPage {
     private readonly back: () => void,
   ) {
     // The question counts points of the frame that is shown.
-    this.unfollow = watch([state.frame, state.timeline], () => this.doomed !== 0 && touch());
+    this.unsubscribe = watch(
+      [state.frame, state.timeline],
+      () => this.labelToDelete !== 0 && touch(),
+    );
   }
 
   dispose(): void {
-    this.unfollow();
+    this.unsubscribe();
   }
 
   /** The page is turned to: nothing was asked. */
   begin(): void {
-    this.doomed = 0;
+    this.labelToDelete = 0;
   }
 
   draw(ui: Ui, x: number, top: number, inner: number, label: Label): void {
@@ -70,13 +73,13 @@ export class EditPage {
     ui.box(x + em * 0.4, top + em * 0.25, em * 1.4, em * 1.4, label.color);
     const heading = { size: 1.25, weight: 600, width: inner - em * 2.8 };
     ui.text(label.name, x + em * 2.4, top + em, heading);
-    if (this.doomed === label.id) this.drawQuestion(ui, x, top, inner, label);
+    if (this.labelToDelete === label.id) this.drawQuestion(ui, x, top, inner, label);
     else this.drawChoices(ui, x, top, inner, label);
   }
 
   private drawChoices(ui: Ui, x: number, top: number, inner: number, label: Label): void {
     const { em } = ui;
-    this.doomed = 0;
+    this.labelToDelete = 0;
     drawNames(ui, [x, top + em * 2.4, inner], 4, label.color, (name, category) => {
       void actions.labels.updateLabel(label.id, { name, category });
     });
@@ -105,8 +108,8 @@ export class EditPage {
 
   private drawQuestion(ui: Ui, x: number, top: number, inner: number, label: Label): void {
     const { em } = ui;
-    const [here, all] = lossOf(label.id);
-    const lines = ['Delete this label?', here, all, 'will be unlabeled. This can be undone.'];
+    const [inFrame, all] = lossOf(label.id);
+    const lines = ['Delete this label?', inFrame, all, 'will be unlabeled. This can be undone.'];
     lines.forEach((line, i) => {
       ui.text(line, x + em * 0.4, top + em * (4 + 1.6 * i), { color: INK.quiet });
     });
@@ -121,7 +124,7 @@ export class EditPage {
   }
 
   private doom(label: number): void {
-    this.doomed = label;
+    this.labelToDelete = label;
     this.touch();
   }
 }

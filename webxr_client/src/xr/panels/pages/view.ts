@@ -10,7 +10,7 @@ export interface WorldControls {
   /** Stand before the recording again, with the timeline at hand. */
   recentre(): void;
   /** The next press goes where it points. */
-  go(): void;
+  armTeleport(): void;
 }
 
 const SCALES = [
@@ -43,7 +43,7 @@ export function drawView(
   drawChecks(ui, x, top + em * 10.3, inner / 2);
   ui.strip(x, top + em * 14.9, inner, em * 3, [
     [{ icon: 'target', text: 'Recentre' }, () => world.recentre()],
-    [{ icon: 'pin', text: 'Go there' }, () => world.go()],
+    [{ icon: 'pin', text: 'Go there' }, () => world.armTeleport()],
     [{ icon: 'plane', text: 'Floor' }, () => actions.tools.setTool('floor')],
   ]);
   ui.strip(x, top + em * 18.2, inner, em * 3, [

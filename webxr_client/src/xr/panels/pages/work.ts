@@ -33,22 +33,22 @@ const NOTE_LINES = 2;
 
 export function drawWork(ui: Ui, x: number, top: number, inner: number, ask: AskName): void {
   const column = new Column(ui, x, top, inner);
-  const asked = question.peek();
+  const pending = question.peek();
   const of = project.peek();
-  if (asked) {
-    column.say(
-      `You have not changed anything in ${taskWords(asked.task)} since you got this task.`,
+  if (pending) {
+    column.drawText(
+      `You have not changed anything in ${taskWords(pending.task)} since you got this task.`,
     );
     column.buttons([
-      [{ text: 'Keep working', on: true }, () => asked.answer(false)],
-      [{ text: 'Hand in anyway' }, () => asked.answer(true)],
+      [{ text: 'Keep working', on: true }, () => pending.answer(false)],
+      [{ text: 'Hand in anyway' }, () => pending.answer(true)],
     ]);
     return;
   }
-  if (!of) column.say('Loading the tasks…');
+  if (!of) column.drawText('Loading the tasks…');
   else {
     if (may(of, 'annotator')) drawOwn(column, of.id);
-    else column.say('Your role in this project has no tasks.');
+    else column.drawText('Your role in this project has no tasks.');
     if (may(of, 'reviewer')) drawReview(column, ask);
   }
   const open = state.sequence.peek() !== null;
@@ -64,7 +64,7 @@ class Column {
     private readonly inner: number,
   ) {}
 
-  say(text: string, color: string = INK.quiet, most = Infinity): void {
+  drawText(text: string, color: string = INK.quiet, most = Infinity): void {
     const { em } = this.ui;
     for (const line of lines(text, LETTERS).slice(0, most)) {
       this.ui.text(line, this.x + em * 0.4, this.y + em * 0.8, { color, width: this.inner });
@@ -87,13 +87,13 @@ function drawOwn(column: Column, of: string): void {
   const [task] = mine.peek();
   if (!task) {
     const none = tasks.peek().length === 0;
-    column.say(none ? 'This project has no tasks.' : 'No task started.');
+    column.drawText(none ? 'This project has no tasks.' : 'No task started.');
     const look = { icon: 'next', text: 'Next task', on: !none, disabled: none } as const;
     column.buttons([[look, () => void begin(of)]]);
     return;
   }
-  column.say(`My task, ${TASK_WORDS[task.state]}: ${taskWords(task)}`, INK.text);
-  if (task.note) column.say(task.note, INK.warn, NOTE_LINES);
+  column.drawText(`My task, ${TASK_WORDS[task.state]}: ${taskWords(task)}`, INK.text);
+  if (task.note) column.drawText(task.note, INK.warn, NOTE_LINES);
   column.buttons(stepsOf(task, of));
 }
 
@@ -112,13 +112,13 @@ function drawReview(column: Column, ask: AskName): void {
   const task = judged.peek();
   if (task) drawVerdict(column, task, ask);
   const disabled = !tasks.peek().some((one) => one.state === 'done' || one.state === 'review');
-  if (disabled) column.say('No task waits for a review.');
+  if (disabled) column.drawText('No task waits for a review.');
   column.buttons([[{ icon: 'people', text: 'Next to review', disabled }, () => void nextReview()]]);
 }
 
 function drawVerdict(column: Column, task: Task, ask: AskName): void {
   const by = task.assignee || 'no annotator';
-  column.say(`${taskWords(task)}, by ${by}: ${TASK_WORDS[task.state]}`, INK.text);
+  column.drawText(`${taskWords(task)}, by ${by}: ${TASK_WORDS[task.state]}`, INK.text);
   const give = (): void =>
     ask('Note for the correction', (note) => void giveBack(task, note, null));
   column.buttons([
