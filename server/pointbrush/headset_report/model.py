@@ -141,7 +141,7 @@ class HeadsetTask(Part):
     """A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel."""
 
     name: Literal["play", "felt", "paint", "erase", "label", "undo", "step", "go"]
-    """What the person tried: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`,
+    """Tried action: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`,
     `undo`, `step` a frame, or `go` somewhere."""
     verdict: Verdict
     """Outcome: `works`, `fails` or `unknown`."""

@@ -126,7 +126,7 @@ class Entry(Value):
 
 @dataclass(frozen=True, slots=True)
 class Preview(Value):
-    """What an import of files would do."""
+    """Preview of an import of files: the frames, fields and labels that it would store."""
 
     name: str
     """Name that the recording would get."""

@@ -747,7 +747,7 @@ export interface HeadsetSpace {
 /** A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel. */
 export interface HeadsetTask {
   /**
-   * What the person tried: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`,
+   * Tried action: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`,
    * `undo`, `step` a frame, or `go` somewhere.
    */
   name: 'play' | 'felt' | 'paint' | 'erase' | 'label' | 'undo' | 'step' | 'go';

@@ -1278,7 +1278,7 @@ export interface PredictionRequest {
   readonly place?: readonly [number, number, number] | null;
 }
 
-/** What an import of files would do. */
+/** Preview of an import of files: the frames, fields and labels that it would store. */
 export interface Preview {
   /** Name that the recording would get. */
   readonly name: string;

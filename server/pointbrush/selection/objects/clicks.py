@@ -186,15 +186,17 @@ def taken_so_far(
     clearances = [_clearance(state, at, cells) for at in wanted.at[missed]]
     clearances += [_clearance(state, at, ~cells) for at in unwanted.at[surplus]]
 
-    tiny = options.least_cells * state.size
+    def reach(at: Floats, border: Mask, share: float) -> float:
+        return max(share * _clearance(state, at, border), options.least_cells * state.size)
 
     def corrected(most: int, share: float) -> Mask:
         patched = cells.copy()
-        whole, cut = options.whole_share, options.removed_share
         for at, p in zip(wanted.at[missed], wanted.piece[missed], strict=True):
-            patched[_patch(state, at, int(p), cells, most, share, whole, tiny)] = True
+            near = reach(at, cells, share)
+            patched[_patch(state, at, int(p), most, near, options.whole_share)] = True
         for at, p in zip(unwanted.at[surplus], unwanted.piece[surplus], strict=True):
-            patched[_patch(state, at, int(p), ~cells, most, cut, np.inf, tiny)] = False
+            near = reach(at, ~cells, options.removed_share)
+            patched[_patch(state, at, int(p), most, near, np.inf)] = False
         patched[wanted.cell] = True
         patched[unwanted.cell] = False
         return patched
@@ -215,23 +217,15 @@ def _chosen(mask: NDArray[np.integer] | Mask, count: int) -> NDArray[np.integer]
 
 
 def _patch(
-    state: ObjectState,
-    at: Floats,
-    piece: int,
-    border: Mask,
-    most: int,
-    share: float,
-    whole: float,
-    least: float,
+    state: ObjectState, at: Floats, piece: int, most: int, reach: float, whole: float
 ) -> Ints:
-    """Return at most ``most`` cells of a piece around a click, nearest first.
+    """Return at most ``most`` cells of a piece within ``reach`` metres of a click, nearest first.
 
-    They lie within a share of the distance to ``border`` cells (C,), or ``least`` metres; if a
-    share ``whole`` of the piece does, these are all of its cells.
+    If they are a share ``whole`` of the piece, return all of its cells.
     """
     own = np.flatnonzero(state.piece == piece)
     distance = np.linalg.norm(state.center[own] - at, axis=1)
-    within = int((distance <= max(share * _clearance(state, at, border), least)).sum())
+    within = int((distance <= reach).sum())
     near = own[np.argsort(distance, kind="stable")[: min(within, most)]]
     return own if len(own) <= most and len(near) >= whole * len(own) else near
 
