@@ -39,7 +39,7 @@ export default tseslint.config(
   },
   {
     files: ['src/**'],
-    ignores: ['**/*.test.*', '**/testing/**', '**/testing.ts', 'src/protocol/messages.ts'],
+    ignores: ['**/*.test.*', '**/testing/**', '**/testing.ts', 'src/protocol/{messages,values}.ts'],
     rules: {
       complexity: ['error', 12],
       'max-lines': ['error', 400],

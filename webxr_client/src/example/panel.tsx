@@ -80,7 +80,7 @@ interface ClassProps {
 function Class({ name, place, all, own, doubts }: ClassProps) {
   const { classes, examples, held_out: held } = classifier.value!;
   const alone = only.value === name;
-  const tested = held?.[name];
+  const tested = held[name];
   return (
     <button type="button" class="button example-class" aria-pressed={alone} data-tip={alone ? 'Show all classes' : `Show ${name} alone`} onClick={() => (only.value = alone ? null : name)}>
       <Swatch color={coloursOf(classes, state.palette.value)[place]!} />

@@ -65,16 +65,22 @@ export class UpDown {
 
   private follow(hand: Pointer, now: number): void {
     const { pad, pinching } = hand;
-    this.shown = pad.touched || pad.y !== 0;
-    if (pad.y === 0) this.letGo();
-    if (this.purpose === 'none') this.answers = this.shown ? this.acts.answers(hand) : null;
-    if (pad.y !== 0 && this.purpose === 'none') this.purpose = pinching ? 'levels' : 'labels';
+    this.updatePurpose(hand);
     this.updateTrigger(pinching);
     const idle = this.purpose === 'none' || this.purpose === 'over';
     const step = this.repeat.update(idle ? 0 : pad.y, now);
     if (this.purpose === 'levels' && step !== 0) this.acts.level(step);
     if (this.purpose === 'labels') this.push(hand, step);
     else this.mark(this.purpose === 'none' && !pinching ? -pad.over : 0);
+  }
+
+  private updatePurpose(hand: Pointer): void {
+    const { pad, pinching } = hand;
+    this.shown = pad.touched || pad.y !== 0;
+    if (pad.y === 0) this.letGo();
+    if (this.purpose !== 'none') return;
+    this.answers = this.shown ? this.acts.answers(hand) : null;
+    if (pad.y !== 0) this.purpose = pinching ? 'levels' : 'labels';
   }
 
   private push({ device, pad }: Pointer, step: number): void {
