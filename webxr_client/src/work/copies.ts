@@ -10,8 +10,6 @@ import { goTo } from './places';
 import { addTasks, tasks } from './queue';
 import { project, shows as onScreen } from './store';
 
-export type Who = 0 | 1;
-
 /** Agreement of two copies or recordings, by their ids. */
 export interface Pair extends Omit<CopyAgreement, 'places'> {
   /** null: another recording, of which the server finds no places. */
