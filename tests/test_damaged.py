@@ -168,7 +168,7 @@ def object_state() -> ObjectState:
         "room", 0.1, np.zeros(5, np.int32), np.zeros((1, 3), np.float32), np.zeros(1, np.int32),
         np.empty((0, 2), np.int32), np.empty((0, PAIR_WIDTH), np.float32), np.full(1, -1, np.int32),
         np.full(1, np.inf, np.float32), np.zeros((1, WIDTH)), np.empty(0, np.float32),
-        np.zeros(3), np.full(1, -1, np.int32),
+        np.zeros(3), np.full((1, 1), -1, np.int32),
     )  # fmt: skip
 
 

@@ -23,6 +23,9 @@ class Cache(Generic[K, V]):
         self._total = 0
         self._lock = Lock()
 
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (self._capacity,)  # a copy in another process begins empty
+
     def __len__(self) -> int:
         return len(self._entries)
 

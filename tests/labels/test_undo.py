@@ -234,7 +234,7 @@ def test_a_change_that_is_sent_again_is_answered_though_its_label_has_gone(
 
 
 def test_a_named_edit_is_undone_alone_and_redone_in_its_place(pins: WorkspaceStore) -> None:
-    answer = paint(pins, [0, 1, 2], 1, "ann").edit_id
+    answer = paint(pins, [0, 1, 2], 1, "ann").edit
     paint(pins, [1], 2, "ann")
     paint(pins, [3], 3, "ann")
     assert pins.undo(SEQ, "ann", edit=answer).changed == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import hypothesis
 import msgpack
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from schemathesis.core.failures import FailureGroup
 from schemathesis.generation import GenerationMode
 
-from pointbrush.accounts.roles import Role
+from pointbrush.accounts.roles import ROLES
 from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.clients import SEQUENCE, SocketTalk
 from tests.faults.server import TOKEN, running
@@ -60,7 +60,7 @@ def calls(arena: Arena) -> None:
     }
     server = arena.stack.enter_context(running(chosen.workspace, **options))
     store = WorkspaceStore(f"sqlite:///{chosen.workspace / 'labels.sqlite'}")
-    callers = [(store.tokens.add(role, role, None), False) for role in get_args(Role)]
+    callers = [(store.tokens.add(role, role, None), False) for role in ROLES]
     store.close()
     with server.api() as api:
         api.post("/sequences/wall/labels", json={"name": "pin"}).raise_for_status()
