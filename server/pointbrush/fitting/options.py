@@ -92,7 +92,7 @@ class FitOptions:
     headed: float = 1.0
     """Minimum motion of an object, in metres, for a known front."""
     agreeing: int = 3
-    """Minimum number of frames whose common size decides on the yaw in each of them."""
+    """Minimum number of frames for choosing the yaw of each frame by their common size."""
     agreed_spread: float = 0.7
     """Standard deviation of this size, as a share of that of the class."""
     start_noise: float = 0.3

@@ -126,7 +126,7 @@ class JobRunner:
         threading.Thread(target=self._accept, name="pointbrush-jobs", daemon=True).start()
 
     def submit(self, job: Job, work: Work, receiver: Receiver) -> Job:
-        """Queue ``work``, whose items and end go to ``receiver``.
+        """Queue ``work``; its items and its end go to ``receiver``.
 
         If a worker dies, the work is restarted once; it must therefore be repeatable.  Raises
         UnavailableError once the runner is closed.

@@ -125,7 +125,7 @@ class Plan:
     damaged: set[int] = field(default_factory=set)
     """Frames that cannot be read and were reported to the viewer; a seek tries them again."""
     large: bool = False
-    """Frames are octrees of chunks, of which the viewer requests those that it needs."""
+    """Frames are octrees of chunks; the viewer requests the chunks that it needs."""
     wanted: tuple[int, list[int]] = field(default_factory=lambda: (0, []))
     """A frame of a large sequence and its requested chunks, in order of urgency."""
     pace: Pace = field(default_factory=Pace)

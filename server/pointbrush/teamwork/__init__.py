@@ -1,1 +1,1 @@
-"""Projects, tasks, reviews, copies and webhooks: what a team shares about its recordings."""
+"""Projects, tasks, reviews, copies and webhooks of teams."""

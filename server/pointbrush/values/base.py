@@ -48,7 +48,7 @@ class Rule:
 
 
 class Limits(Rule):
-    """Limits that hold in bodies alone: what older versions have stored is read as it is."""
+    """Limits that hold in bodies alone: values that older versions stored are read unchanged."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Schema:
         schema: Schema = handler(source)
@@ -110,7 +110,7 @@ class Value:
     """Bodies may contain the value with further fields, which are ignored."""
 
     def __getitem__(self, name: str) -> Any:
-        """Return a field by its name, for scripts from when calls answered with dicts."""
+        """Return a field by its name, so that scripts written for dict answers still run."""
         if name not in (each.name for each in fields(self)):  # type: ignore[arg-type]
             raise KeyError(name)
         return getattr(self, name)

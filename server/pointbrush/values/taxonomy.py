@@ -14,8 +14,10 @@ NAME = f"^[^{HIDDEN} ]{VISIBLE}*$"
 MOST_ATTRIBUTES = 64
 """Limit for a box, or for one of its poses."""
 MOST_CHOICES = 60
-NAME_LIMIT, TEXT_LIMIT = 64, 200
-"""Longest name and longest text value of an attribute, characters."""
+NAME_LIMIT = 64
+"""Longest name of an attribute, characters."""
+TEXT_LIMIT = 200
+"""Longest text value of an attribute, characters."""
 
 CategoryNumber = Annotated[int, Limits(ge=1, le=65535)]
 DatasetName = Annotated[str, Limits(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]

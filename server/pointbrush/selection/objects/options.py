@@ -227,8 +227,8 @@ class ClickOptions(Positive):
     least_cells: float = 1.5
     """Times the cell size; the smallest radius of a patch."""
     sure_added_share: float = 0.5
-    """Share of the way to what is taken within which a wanted click adds cells to a lidar
-    selection that is likely right; all of that way otherwise."""
+    """Share of the distance to the selection within which a wanted click adds cells to a
+    lidar selection that is likely right; otherwise the whole distance."""
     sure_patch: float = 0.03
     """Share of the cells of such a selection that one click adds or removes at most."""
     removed_share: float = 0.5

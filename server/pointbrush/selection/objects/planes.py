@@ -73,7 +73,7 @@ def find_planes(pieces: Pieces, size: float, options: PlaneOptions) -> Ints:
 
 
 def _near_pairs(leaves: Floats, gap: float) -> Ints:
-    """Return pairs (n, 2) of pieces whose boxes are at most ``gap`` metres apart."""
+    """Return pairs (n, 2) of pieces with boxes at most ``gap`` metres apart."""
     low, high = leaves[:, sums.LOW : sums.HIGH], leaves[:, sums.HIGH :]
     gaps = np.maximum(np.maximum(low[:, None] - high, low - high[:, None]), 0)
     return np.argwhere(np.triu((gaps**2).sum(axis=2) <= gap**2, 1))

@@ -100,7 +100,7 @@ class Lattice:
             level, step = level + 2, half
 
     def _cut(self, level: Band) -> Iterator[Band]:
-        """Yield the bands of a whole level, whose ``stop`` is ignored; none if it has no pixel."""
+        """Yield the bands of a whole level, none if it has no pixel; its ``stop`` is ignored."""
         rows = -(-(self.height - level.row) // level.down)
         columns = -(-(self.width - level.column) // level.across)
         if rows <= 0 or columns <= 0:

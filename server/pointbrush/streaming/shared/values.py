@@ -10,7 +10,9 @@ from pointbrush.labels import LabelStore
 from pointbrush.streaming.encoding import encode_whole
 from pointbrush.streaming.shared.cache import MessageCache, Versioned
 
-CATCH_UP_TRIES, CATCH_UP_PAUSE = 100, 0.005
+CATCH_UP_TRIES = 100
+CATCH_UP_PAUSE = 0.005
+"""Seconds between two tries."""
 
 
 class Values:

@@ -213,7 +213,7 @@ def _return_odds(
 def _adopt_newcomer(
     observation: PersonObservation, person: Person, newcomer: Person, cells: I64, now: int
 ) -> None:
-    """Take over what was seen of a recognised ``newcomer``, who may be another person."""
+    """Take over the observations of a recognised ``newcomer``, who may be another person."""
     likely = squashed(_return_odds(observation, person, newcomer, cells, now))
     person.identity.cap = observation.options.body.doubted_confidence * likely
     person.seen = newcomer.seen

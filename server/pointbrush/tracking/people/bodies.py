@@ -52,7 +52,7 @@ def reappearing_points(view: View, tracks: Mapping[int, Track], moving: I64) -> 
 def entering_bodies(
     tracks: Mapping[int, Track], associations: Associations, labelled: Mapping[int, LabelledPoints]
 ) -> dict[int, I64]:
-    """Return by label the bodies of people of whom only a small part was painted at an edge.
+    """Return by label the bodies of people painted only in a small part at an edge.
 
     The painted object is judged again, with the surface connected to it that is visible now.
     """
