@@ -5,13 +5,13 @@ Pydantic reads the limits by the methods that it looks up by name; nothing here 
 
 from __future__ import annotations
 
-import ast
 import inspect
 import sys
+import token
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, asdict, field, fields
 from functools import cache
-from itertools import pairwise
+from tokenize import TokenInfo, generate_tokens
 from typing import Any, ClassVar, Final, Self
 
 Schema = dict[str, Any]
@@ -238,19 +238,31 @@ def descriptions(kind: Any) -> dict[str, str]:
 
 @cache
 def _docstrings(module: str) -> dict[str, dict[str, str]]:
+    # Tokens, not a syntax tree: CPython 3.11 fails when two threads parse at once.
     try:
-        tree = ast.parse(inspect.getsource(sys.modules[module]))
+        lines = inspect.getsource(sys.modules[module]).splitlines(keepends=True)
     except (OSError, TypeError):
         return {}
-    classes = (node for node in tree.body if isinstance(node, ast.ClassDef))
-    return {node.name: dict(_fields_of(node)) for node in classes}
+    found: dict[str, dict[str, str]] = {}
+    before = ""
+    for pair in _statements(lines):
+        match pair:
+            case TokenInfo(token.NAME, "class", (_, 0)), TokenInfo(token.NAME, name):
+                found[name] = {}
+            case TokenInfo(token.NAME, before, (_, 4)), TokenInfo(token.OP, ":"):
+                continue
+            case TokenInfo(token.STRING, text, (_, 4)), _ if before:
+                found[name][before] = " ".join(text.strip('"').split())
+        before = ""
+    return found
 
 
-def _fields_of(node: ast.ClassDef) -> Iterator[tuple[str, str]]:
-    for each, note in pairwise(node.body):
-        match each, note:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)),
-                ast.Expr(value=ast.Constant(value=str(text))),
-            ):
-                yield name, " ".join(text.split())
+def _statements(lines: list[str]) -> Iterator[tuple[TokenInfo, TokenInfo]]:
+    """Yield the first two tokens of each statement."""
+    tokens: list[TokenInfo] = []
+    for each in generate_tokens(iter(lines).__next__):
+        if each.type == token.NEWLINE:
+            yield tokens[0], tokens[1] if len(tokens) > 1 else each
+            tokens.clear()
+        elif each.type not in {token.COMMENT, token.DEDENT, token.INDENT, token.NL}:
+            tokens.append(each)
