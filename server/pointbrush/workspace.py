@@ -58,6 +58,7 @@ if TYPE_CHECKING:
     from pointbrush.work.boxes.fitting_job import Fitting
     from pointbrush.work.classifiers.applying import Predictions
     from pointbrush.work.classifiers.service import Classifiers
+    from pointbrush.work.masks.service import Masks
     from pointbrush.work.projects.agreeing import Agreeing
     from pointbrush.work.projects.queue import Queue
     from pointbrush.work.projects.service import Projects
@@ -206,6 +207,13 @@ class Workspace:
     @property
     def _classifier_folder(self) -> Path:
         return self.settings.workspace.absolute() / CLASSIFIERS
+
+    @once
+    def masks(self) -> Masks:
+        """Return the service for masks of pictures."""
+        from pointbrush.work.masks.service import Masks
+
+        return Masks(self.labels, self.recording)
 
     @once
     def fitting(self) -> Fitting:

@@ -122,6 +122,14 @@ def layer_of(values: ArrayLike, layer: str) -> NDArray[Any]:
     return made
 
 
+def mask_of(values: ArrayLike) -> NDArray[Any]:
+    """Return a mask as uint8 or uint16; raises BadInputError for values that do not fit."""
+    array = np.asarray(values)
+    if array.dtype in (np.bool_, np.uint8):
+        return array.astype(np.uint8)
+    return layer_of(array, "label")
+
+
 def npy_of(values: NDArray[Any]) -> bytes:
     """Return an array as ``.npy``."""
     content = io.BytesIO()

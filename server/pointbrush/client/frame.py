@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, overload
@@ -12,10 +13,19 @@ import httpx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pointbrush.client.answers import Annotation, array_of, layer_of, npy_of, rays, read
+from pointbrush.client.answers import (
+    Annotation,
+    array_of,
+    layer_of,
+    mask_of,
+    npy_of,
+    rays,
+    read,
+)
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
 from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera
+from pointbrush.values.masks import LATTICE, MaskEdit
 from pointbrush.values.objects import Candidate, Candidates
 from pointbrush.values.tracking import Clearing, Copying
 
@@ -45,7 +55,10 @@ class Frame(Part[L]):
 
     @steps
     def points(self) -> Steps[dict[str, NDArray[Any]]]:
-        """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` where stored."""
+        """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` where stored.
+
+        ``pixel`` (N, 2), row and column in the depth image, if the points were measured in one.
+        """
         answer = yield from self._call("GET", "/points", params={"format": "npz"})
         with np.load(io.BytesIO(answer.content), allow_pickle=False) as stored:
             return dict(stored.items())
@@ -61,6 +74,45 @@ class Frame(Part[L]):
         """Return the picture of a camera as it was imported: JPEG, PNG or WebP."""
         answer = yield from self._call("GET", f"/images/{quote(camera, safe='')}")
         return answer.content
+
+    @steps
+    def mask(self, camera: str = LATTICE) -> Steps[NDArray[Any]]:
+        """Return the label of each pixel of a camera's picture (H, W), 65535 without a point.
+
+        ``camera``: its name; "depth" is the depth image that the points were measured in.
+        """
+        params = {"format": "npy"}
+        answer = yield from self._call("GET", f"/masks/{quote(camera, safe='')}", params=params)
+        return array_of(answer)
+
+    @steps
+    def set_mask(
+        self,
+        camera: str,
+        array: ArrayLike,
+        classes: Mapping[int, int | str] | None = None,
+        *,
+        source: str = "imported",
+    ) -> Steps[MaskEdit]:
+        """Label the points that a camera sees in a mask (H, W) of whole numbers, as one edit.
+
+        ``classes``: the label id, or the name of a label or class, of each value; 0 removes labels.
+        By default the values are label ids.  Other values change nothing.  ``source``: imported,
+        predicted or painted; only a painted mask changes painted points.
+        Raises BadInputError for another size, an unknown class or a camera without calibration.
+        """
+        params = {"id": str(uuid.uuid4()), "source": source}
+        if classes is not None:
+            params["classes"] = json.dumps(dict(classes))
+        answer = yield from self._call(
+            "PUT",
+            f"/masks/{quote(camera, safe='')}",
+            idempotent=True,
+            content=npy_of(mask_of(array)),
+            headers={"Content-Type": "application/x-npy"},
+            params=params,
+        )
+        return read(MaskEdit, answer.json())
 
     @steps
     def thumbnail(self) -> Steps[bytes]:

@@ -34,22 +34,55 @@ def parse(body: bytes | bytearray, dtype: np.dtype[Any], count: int) -> NDArray[
     A view on ``body`` where possible; nothing is unpickled.
     Raises MalformedError (no .npy) or BadInputError (another type or shape).
     """
-    stream = io.BytesIO(body)
-    try:
-        shape, _, found = read_header(stream)
-    except BadInputError as error:
-        raise MalformedError(f"body: {error}, {len(body)} bytes long") from error
-    offset = stream.tell()
+    shape, _, found, offset = _header(body)
     if found.hasobject or found.newbyteorder("=") != dtype:
         raise BadInputError(f"array: expected {dtype}, got {found}")
     if shape != (count,):
         raise BadInputError(f"array: expected shape ({count},), one value a point, got {shape}")
+    return _data(body, offset, found, count).astype(dtype, copy=False)
+
+
+def _header(body: bytes | bytearray) -> tuple[tuple[int, ...], bool, np.dtype[Any], int]:
+    """Return shape, Fortran order, type and offset of the data; raises MalformedError."""
+    stream = io.BytesIO(body)
+    try:
+        shape, fortran, found = read_header(stream)
+    except BadInputError as error:
+        raise MalformedError(f"body: {error}, {len(body)} bytes long") from error
+    return shape, fortran, found, stream.tell()
+
+
+def _data(body: bytes | bytearray, offset: int, found: np.dtype[Any], count: int) -> NDArray[Any]:
+    """Return ``count`` values from ``offset`` to the end of a body; raises MalformedError."""
     if len(body) - offset != count * found.itemsize:
         raise MalformedError(
             f"array: expected {count * found.itemsize} bytes of data, got {len(body) - offset}"
         )
-    array = np.frombuffer(body, found, count, offset)
-    return array.astype(dtype, copy=False)
+    return np.frombuffer(body, found, count, offset)
+
+
+def parse_image(
+    body: bytes | bytearray, dtypes: Sequence[np.dtype[Any]], size: tuple[int, int]
+) -> NDArray[Any]:
+    """Return the array (H, W) of a ``.npy`` body of one of ``dtypes``; ``size``: width, height.
+
+    Raises MalformedError (no .npy) or BadInputError (another type or shape).
+    """
+    shape, fortran, found, offset = _header(body)
+    expected = size[::-1]
+    if found not in dtypes:
+        raise BadInputError(f"array: expected {' or '.join(map(str, dtypes))}, got {found}")
+    if shape != expected:
+        raise BadInputError(f"array: expected shape {expected}, height and width, got {shape}")
+    flat = _data(body, offset, found, shape[0] * shape[1])
+    return flat.reshape(shape, order="F" if fortran else "C")
+
+
+def of_array(array: NDArray[Any]) -> bytes:
+    """Return an array as ``.npy``."""
+    content = io.BytesIO()
+    np.save(content, array, allow_pickle=False)
+    return content.getvalue()
 
 
 def parse_by_frame(

@@ -952,6 +952,20 @@ export interface Manifest {
   readonly until: string | null;
 }
 
+/** Result of masks that became labels. */
+export interface MaskEdit {
+  /** UUID of the edit. */
+  readonly edit: string;
+  /** Number of points with a new label, provenance or deletion. */
+  readonly changed: number;
+  /** Revision of the recording after the edit. */
+  readonly revision: number;
+  /** Number of points in the masks' values that have a label or class. */
+  readonly seen: number;
+  /** Number of points that stay as they are, because they are near a border of a mask or cameras disagree. */
+  readonly doubt: number;
+}
+
 /** The caller, and the messages that the server speaks. */
 export interface Me {
   /** Name that edits show. */

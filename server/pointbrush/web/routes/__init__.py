@@ -12,6 +12,7 @@ from pointbrush.web.routes import (
     imports,
     jobs,
     labels,
+    masks,
     meta,
     objects,
     sequences,
@@ -31,7 +32,7 @@ from pointbrush.web.routes.team import (
 
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
-    annotations, tracking, classifiers, export, jobs, review, checks, projects, tasks,
+    annotations, masks, tracking, classifiers, export, jobs, review, checks, projects, tasks,
     snapshots, agreement, webhooks, accounts, headset_checks,
 )  # fmt: skip
 """In the order of matching: strokes first, because they are by far the most frequent calls."""

@@ -81,7 +81,10 @@ def get_points(
         Query(description="`npy`: one structured array; `npz`: an array for each field"),
     ] = "npy",
 ) -> Response:
-    """Return all points in source order and coordinates: structured ``.npy``, or ``.npz``."""
+    """Return all points in source order and coordinates: structured ``.npy``, or ``.npz``.
+
+    The ``.npz`` has ``pixel`` (N, 2), row and column, for points of a depth image.
+    """
     frame = workspace.recording(seq)[i]
     if format == "npz":
         fields = {
@@ -89,6 +92,8 @@ def get_points(
             for name in ("xyz", "rgb", "intensity")
             if getattr(frame, name) is not None
         }
+        if (pixel := workspace.masks.pixel(seq, i)) is not None:
+            fields["pixel"] = iter([pixel])
         return StreamingResponse(npy.stream_npz(fields, frame.count), media_type="application/zip")
     length, pieces = npy.stream_points(source_columns(workspace.recording(seq), i), frame.count)
     headers = {"Content-Length": str(length)}

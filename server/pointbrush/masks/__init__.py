@@ -1,0 +1,14 @@
+"""Masks of pictures and labels of points: each is made from the other.
+
+Pictures and points meet in a ``View``: the pixel and the depth of each point of a frame.
+"""
+
+from __future__ import annotations
+
+from pointbrush.masks.draw import draw
+from pointbrush.masks.lift import IN_DOUBT, lift
+from pointbrush.masks.options import DrawOptions, LiftOptions
+from pointbrush.masks.views import View
+from pointbrush.values.masks import VOID
+
+__all__ = ["IN_DOUBT", "VOID", "DrawOptions", "LiftOptions", "View", "draw", "lift"]

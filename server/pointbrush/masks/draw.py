@@ -1,0 +1,59 @@
+"""Masks of pictures from labels of points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.masks.options import DrawOptions
+from pointbrush.masks.views import View
+from pointbrush.masks.visibility import visible
+from pointbrush.values.masks import VOID
+
+_DEFAULTS = DrawOptions()
+Image = NDArray[np.uint16]
+
+
+def draw(
+    view: View, labels: NDArray[np.unsignedinteger], options: DrawOptions = _DEFAULTS
+) -> Image:
+    """Return a mask (H, W) of the labels (N,) of points; 0 shows points without a label.
+
+    VOID: no point is seen there, or points of several labels at one depth.  Each pixel shows its
+    nearest point.  Gaps between points of one label and surface are filled, except in a lattice,
+    which is exact.
+    """
+    mask = np.full(view.height * view.width, VOID, np.uint16)
+    depth = np.full(view.height * view.width, np.inf, np.float32)
+    seen = visible(view, options.visibility)
+    far_first = seen[np.argsort(-view.depth[seen], kind="stable")]
+    pixel = view.pixel[far_first]
+    mask[pixel], depth[pixel] = labels[far_first], view.depth[far_first]
+    mask[pixel[mask[pixel] != labels[far_first]]] = VOID
+    image = mask.reshape(view.height, view.width)
+    if not view.exact:
+        depths = depth.reshape(image.shape)
+        fill(image, depths, options)
+        fill(image.T, depths.T, options)
+    return image
+
+
+def fill(mask: Image, depth: NDArray[np.float32], options: DrawOptions) -> None:
+    """Fill gaps along the rows of a mask, between measured pixels of one value and surface."""
+    measured = np.isfinite(depth)
+    column = np.arange(mask.shape[1])
+    before = np.maximum.accumulate(np.where(measured, column, -1), axis=1)
+    after = np.where(measured, column, mask.shape[1])
+    after = np.minimum.accumulate(after[:, ::-1], axis=1)[:, ::-1]
+    row, at = np.nonzero(~measured & (before >= 0) & (after - before <= options.most_gap + 1))
+    inside = after[row, at] < mask.shape[1]
+    row, at = row[inside], at[inside]
+    left, right = before[row, at], after[row, at]
+    near, far = depth[row, left], depth[row, right]
+    gap = np.maximum(
+        np.minimum(near, far) * options.visibility.depth_tolerance, options.visibility.least_gap
+    )
+    same = (mask[row, left] == mask[row, right]) & (np.abs(near - far) <= gap)
+    row, at, left, right = row[same], at[same], left[same], right[same]
+    mask[row, at] = mask[row, left]
+    depth[row, at] = np.maximum(depth[row, left], depth[row, right])

@@ -1,0 +1,211 @@
+"""Points as a camera sees them: the pixel and the depth of each point of a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pointbrush.errors import BadInputError
+
+FISHEYE = ("equidistant", "fisheye", "kannala_brandt4")
+POLYNOMIAL = ("", "plumb_bob", "rational_polynomial", "radtan")
+NEAREST = 0.05
+"""Least depth of a point in a picture, metres."""
+RADIUS_STEP = 0.05
+"""Step of the search for the radius at which a distortion folds over, in focal lengths."""
+MOST_RADIUS = 5.0
+"""End of this search."""
+BLOCK = 1 << 20
+"""Points projected at once."""
+
+Floats = NDArray[np.floating[Any]]
+
+
+class Projection(Protocol):
+    """A camera with a picture of a frame, as ``values.frames.Camera`` describes it."""
+
+    @property
+    def name(self) -> str:
+        """Name of the camera."""
+
+    @property
+    def width(self) -> int:
+        """Width of the picture, pixels."""
+
+    @property
+    def height(self) -> int:
+        """Height of the picture, pixels."""
+
+    @property
+    def K(self) -> Any:  # noqa: N802 – the matrix's name
+        """Matrix (3, 3) to pixels, or None."""
+
+    @property
+    def distortion(self) -> Any:
+        """Coefficients of the model."""
+
+    @property
+    def model(self) -> str:
+        """Model of the lens."""
+
+    @property
+    def T_camera_frame(self) -> Any:  # noqa: N802 – the transform's name
+        """Transform (4, 4) from source coordinates, or None."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """N points of a frame in a picture of ``height`` by ``width`` pixels.
+
+    ``pixel``  (N,) int32 row-major pixel of each point, -1 outside of the picture.
+    ``depth``  (N,) float32 metres along the optical axis.
+    ``focal``  focal length, pixels; 0 for a lattice.
+    ``exact``  True for the pixels that the points were measured in: no point hides another.
+    """
+
+    name: str
+    width: int
+    height: int
+    pixel: NDArray[np.int32]
+    depth: NDArray[np.float32]
+    focal: float = 0.0
+    exact: bool = False
+
+    @classmethod
+    def of_camera(cls, camera: Projection, xyz: Floats) -> View:
+        """Project points (N, 3), source coordinates, into a camera.
+
+        A pixel (u, v) covers half a pixel around its centre, as in OpenCV.
+        Raises BadInputError if the calibration of the camera is not known.
+        """
+        lens = Lens.of(camera)
+        pixel, depth = np.full(len(xyz), -1, np.int32), np.empty(len(xyz), np.float32)
+        for first in range(0, len(xyz), BLOCK):
+            part = slice(first, first + BLOCK)
+            uv, depth[part], seen = lens.project(xyz[part])
+            at = np.floor(uv + 0.5)
+            seen &= ((at >= 0) & (at < (camera.width, camera.height))).all(axis=1)
+            column, row = at[seen].astype(np.int32).T
+            pixel[part][seen] = row * camera.width + column
+        return cls(camera.name, camera.width, camera.height, pixel, depth, lens.focal)
+
+    @classmethod
+    def of_lattice(
+        cls, name: str, size: tuple[int, int], pixel: NDArray[Any], depth: Floats
+    ) -> View:
+        """Return the view of the depth camera that measured the points.
+
+        ``size``: width and height; ``pixel`` (N,) row-major, ``depth`` (N,) metres.
+        """
+        width, height = size
+        return cls(
+            name, width, height, pixel.astype(np.int32), depth.astype(np.float32), exact=True
+        )
+
+    def without(self, left_out: NDArray[np.bool_]) -> View:
+        """Return the view without some of the points (N,)."""
+        return replace(self, pixel=np.where(left_out, np.int32(-1), self.pixel))
+
+    @property
+    def seen(self) -> NDArray[np.int64]:
+        """Numbers of the points in the picture, increasing."""
+        return np.flatnonzero(self.pixel >= 0)
+
+    def require_mask(self, mask: NDArray[Any]) -> None:
+        """Raise BadInputError unless a mask has the size of the picture."""
+        if mask.shape != (self.height, self.width):
+            size = "x".join(map(str, reversed(mask.shape)))
+            raise BadInputError(
+                f"mask: expected {self.width}x{self.height} pixels as camera {self.name!r} has, "
+                f"got {size}"
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lens:
+    """A lens by the models of OpenCV and ROS."""
+
+    K: NDArray[np.float64]
+    T_camera_frame: NDArray[np.float64]
+    distortion: NDArray[np.float64]
+    fisheye: bool
+
+    @classmethod
+    def of(cls, camera: Projection) -> Lens:
+        """Return the lens of a camera; raises BadInputError if it is not known."""
+        missing = [name for name in ("K", "T_camera_frame") if getattr(camera, name) is None]
+        if missing:
+            raise BadInputError(
+                f"camera {camera.name!r}: expected a calibration, its {missing[0]} is not known"
+            )
+        given = np.asarray(camera.distortion, np.float64)
+        if camera.model not in (*FISHEYE, *POLYNOMIAL) and given.any():
+            known = ", ".join((*FISHEYE, *POLYNOMIAL[1:]))
+            raise BadInputError(
+                f"camera {camera.name!r}: expected a lens of {known}, got {camera.model!r}"
+            )
+        coefficients = np.zeros(max(8, len(given)))
+        coefficients[: len(given)] = given
+        fisheye = camera.model in FISHEYE and len(given) > 0
+        return cls(
+            np.asarray(camera.K, np.float64),
+            np.asarray(camera.T_camera_frame, np.float64),
+            coefficients,
+            fisheye,
+        )
+
+    @property
+    def focal(self) -> float:
+        """Focal length, pixels."""
+        return float(self.K[0, 0] + self.K[1, 1]) / 2
+
+    def project(
+        self, xyz: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+        """Return pixels (N, 2), depths (N,) and whether the lens sees points (N, 3)."""
+        local = np.asarray(xyz, np.float64) @ self.T_camera_frame[:3, :3].T
+        local += self.T_camera_frame[:3, 3]
+        depth = local[:, 2]
+        seen = depth >= NEAREST
+        flat = local[:, :2] / np.where(seen, depth, 1.0)[:, None]
+        if not self.fisheye:
+            seen &= (flat**2).sum(axis=1) <= self._reach()
+        flat[~seen] = 0.0
+        bent = self._distort(flat) @ self.K[:2, :2].T + self.K[:2, 2]
+        return bent, depth, seen
+
+    def _distort(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        if not self.distortion.any() and not self.fisheye:
+            return flat
+        r2 = (flat**2).sum(axis=1)
+        if self.fisheye:
+            r = np.sqrt(r2)
+            angle = np.arctan(r)
+            k1, k2, k3, k4 = self.distortion[:4]
+            a2 = angle**2
+            bent = angle * (1 + a2 * (k1 + a2 * (k2 + a2 * (k3 + a2 * k4))))
+            scale = np.divide(bent, r, out=np.ones_like(r), where=r > 1e-9)
+            return np.asarray(flat * scale[:, None])
+        p1, p2 = self.distortion[2:4]
+        x, y = flat.T
+        tangential = np.stack(
+            [2 * p1 * x * y + p2 * (r2 + 2 * x**2), p1 * (r2 + 2 * y**2) + 2 * p2 * x * y], axis=1
+        )
+        return np.asarray(flat * self._radial(r2)[:, None] + tangential)
+
+    def _radial(self, r2: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return k1 to k3 over k4 to k6; the order is k1, k2, p1, p2, k3, k4, k5, k6."""
+        k1, k2, _, _, k3, k4, k5, k6 = self.distortion[:8]
+        above = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        return np.asarray(above / (1 + r2 * (k4 + r2 * (k5 + r2 * k6))))
+
+    def _reach(self) -> float:
+        """Return the greatest squared radius before the distortion folds over."""
+        if not self.distortion.any():
+            return np.inf
+        r = np.arange(0.0, MOST_RADIUS, RADIUS_STEP)
+        folded = np.flatnonzero(np.diff(r * self._radial(r**2)) <= 0)
+        return float(r[folded[0]] ** 2) if len(folded) else np.inf

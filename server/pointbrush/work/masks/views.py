@@ -1,0 +1,89 @@
+"""The cameras of a frame, and its points in their pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import NotFoundError
+from pointbrush.masks import View
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.sequences import StoredFrame
+from pointbrush.sequences.depth.lattice import Lattice
+from pointbrush.sequences.depth.projection import find
+from pointbrush.values.masks import LATTICE
+
+Pixels = NDArray[np.uint32]
+
+
+def camera_names(recording: Recording, frame: int) -> list[str]:
+    """Return the names of the cameras that masks of a frame can be of."""
+    stored = recording[frame]
+    pictures = [each.name for each in recording.projections(frame)]
+    lattice = stored.pixel is not None or stored.lattice is not None
+    return ([LATTICE] if lattice else []) + [name for name in pictures if name != LATTICE]
+
+
+def size_of(recording: Recording, frame: int, camera: str) -> tuple[int, int]:
+    """Return width and height of a camera's picture or of the depth image.
+
+    Raises NotFoundError naming the cameras that there are.
+    """
+    stored = recording[frame]
+    if camera == LATTICE and stored.camera is not None:
+        return stored.camera.width, stored.camera.height
+    if camera == LATTICE and stored.lattice is not None:
+        return stored.lattice.width, stored.lattice.height
+    for each in recording.projections(frame):
+        if each.name == camera:
+            return each.width, each.height
+    names = ", ".join(camera_names(recording, frame)) or "none"
+    raise NotFoundError(f"camera: expected one of frame {frame} ({names}), got {camera[:60]!r}")
+
+
+def view_of(recording: Recording, frame: int, camera: str) -> View:
+    """Return a frame's points, stored order, in the picture of a camera or in its depth image.
+
+    Raises NotFoundError naming the cameras that there are, BadInputError without calibration.
+    """
+    stored = recording[frame]
+    if camera == LATTICE and (found := lattice_pixels(stored)) is not None:
+        size, pixel = found
+        away = stored.xyz - (np.zeros(3) if stored.viewpoint is None else stored.viewpoint)
+        return View.of_lattice(LATTICE, size, pixel, np.linalg.norm(away, axis=1))
+    size_of(recording, frame, camera)
+    (named,) = (each for each in recording.projections(frame) if each.name == camera)
+    return View.of_camera(named, stored.xyz + np.asarray(recording.manifest.shift))
+
+
+def lattice_pixels(stored: StoredFrame) -> tuple[tuple[int, int], Pixels] | None:
+    """Return width and height of a frame's depth image, and its points' pixels (N,), stored order.
+
+    The import keeps them for depth images; otherwise they are found by the lattice of the
+    recording.  None: the points lie in no depth image.
+    """
+    pixel, camera, lattice = stored.pixel, stored.camera, stored.lattice
+    if pixel is not None and camera is not None:
+        return (camera.width, camera.height), pixel
+    found = None if lattice is None else find(lattice, stored.xyz)
+    if lattice is None or found is None:
+        return None
+    row, column = np.divmod(found.pixel, lattice.width)
+    right, down = _upright(lattice)
+    column = column if right else lattice.width - 1 - column
+    row = row if down else lattice.height - 1 - row
+    return (lattice.width, lattice.height), (row * lattice.width + column).astype(np.uint32)
+
+
+def _upright(lattice: Lattice) -> tuple[bool, bool]:
+    """Return whether columns run to the right and rows down, as the camera sees them.
+
+    Cameras that look along z have y down (OpenCV), against it y up (OpenGL); others have z up.
+    """
+    across, down = lattice.sides
+    up = np.zeros(3)
+    up[down] = -lattice.sign if lattice.axis == 2 else 1
+    forward = np.zeros(3)
+    forward[lattice.axis] = lattice.sign
+    right = np.cross(forward, up)
+    return bool(right[across] * lattice.pitch[0] > 0), bool(up[down] * lattice.pitch[1] < 0)
