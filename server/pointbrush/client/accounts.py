@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
 from urllib.parse import quote
 
-from pointbrush.client.answers import read
-from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.steps import L, Part, Steps, steps
 from pointbrush.values.kinds import Role
 from pointbrush.values.team.accounts import Account, NewAccount, NewToken, NewTokenRequest, Token
 
@@ -17,8 +15,7 @@ class Accounts(Part[L]):
     @steps
     def all(self) -> Steps[list[Account]]:
         """Return the accounts that have or had tokens, by name."""
-        answer = yield from send(Request("GET", "/accounts", idempotent=True))
-        return [read(Account, entry) for entry in answer.json()]
+        return self._get(list[Account], "/accounts")
 
     @steps
     def create(
@@ -28,34 +25,27 @@ class Accounts(Part[L]):
 
         Raises ConflictError if the account has a valid token.
         """
-        body = NewAccount(account=account, role=role, days=days).given()
-        return (yield from _made(Request("POST", "/accounts", {"json": body})))
+        body = NewAccount(account=account, role=role, days=days)
+        return self._change(NewToken, "POST", "/accounts", body, idempotent=False)
 
     @steps
     def tokens(self, account: str) -> Steps[list[Token]]:
         """Return the tokens of an account, oldest first; raises NotFoundError."""
-        answer = yield from send(Request("GET", _tokens(account), idempotent=True))
-        return [read(Token, entry) for entry in answer.json()]
+        return self._get(list[Token], _tokens(account))
 
     @steps
     def add_token(
         self, account: str, role: Role | None = None, days: float | None = None
     ) -> Steps[NewToken]:
         """Add a token to an account (``role`` None: its own role); raises NotFoundError."""
-        body = NewTokenRequest(role, days).given()
-        return (yield from _made(Request("POST", _tokens(account), {"json": body})))
+        body = NewTokenRequest(role, days)
+        return self._change(NewToken, "POST", _tokens(account), body, idempotent=False)
 
     @steps
     def revoke(self, account: str, token: str | None = None) -> Steps[None]:
         """Revoke a token of an account by its id (None: all); raises NotFoundError."""
-        query: dict[str, Any] = {} if token is None else {"params": {"id": token}}
-        yield from send(Request("DELETE", _tokens(account), query, idempotent=True))
+        yield from self._call("DELETE", _tokens(account), params={"id": token}, idempotent=True)
 
 
 def _tokens(account: str) -> str:
     return f"/accounts/{quote(account, safe='')}/tokens"
-
-
-def _made(request: Request) -> Steps[NewToken]:
-    answer = yield from send(request)
-    return read(NewToken, answer.json())

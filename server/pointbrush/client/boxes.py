@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from pointbrush.client.answers import read, vector
-from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.steps import L, Part, Steps, steps
 from pointbrush.errors import BadInputError
 from pointbrush.values import boxes as values
 from pointbrush.values.boxes import AttributeValue, BoxPoints, BoxPose, BoxProvenance, NewBox
@@ -26,20 +26,15 @@ class Box(values.Box):
 class Boxes(Part[L]):
     """Boxes of a recording."""
 
-    def __init__(self, link: L, recording: str) -> None:
-        super().__init__(link)
-        self._place = f"/sequences/{recording}/boxes"
-
     @steps
     def all(self, frame: int | None = None, label: int | None = None) -> Steps[list[Box]]:
         """Return the boxes; optionally only boxes with a pose in ``frame``, or of a label."""
-        return (yield from self._listed(frame, label))
+        return self._listed(frame, label)
 
     @steps
     def __getitem__(self, box: int) -> Steps[Box]:
         """Return a box by its id; raises NotFoundError."""
-        answer = yield from send(Request("GET", f"{self._place}/{box}", idempotent=True))
-        return read(Box, answer.json())
+        return self._get(Box, f"/{box}")
 
     @steps
     def add(
@@ -58,7 +53,7 @@ class Boxes(Part[L]):
             label, (length, width, height), placed, dict(attributes or {}), provenance,
             heading_known,
         )  # fmt: skip
-        return (yield from self._edited("POST", self._place, new.given()))
+        return self._edited("POST", "", new.given())
 
     @steps
     def change(
@@ -84,25 +79,20 @@ class Boxes(Part[L]):
             body["poses"] = {
                 str(f): None if p is None else asdict(_fixed(p)) for f, p in poses.items()
             }
-        return (yield from self._edited("PATCH", f"{self._place}/{box}", body))
+        return self._edited("PATCH", f"/{box}", body)
 
     @steps
     def remove(self, box: int) -> Steps[Edit]:
         """Delete a box."""
-        query = {"edit": str(uuid.uuid4())}
-        place = f"{self._place}/{box}"
-        answer = yield from send(Request("DELETE", place, {"params": query}, idempotent=True))
-        return read(Edit, answer.json())
+        return self._change(Edit, "DELETE", f"/{box}", edit=str(uuid.uuid4()))
 
     @steps
     def paint(
         self, box: int, frames: str | None = None, *, only_unlabeled: bool = False
     ) -> Steps[Edit]:
         """Label the points inside a box with its label, in its frames ``I:J`` (None: all)."""
-        body = BoxPoints(frames, only_unlabeled, str(uuid.uuid4())).given()
-        place = f"{self._place}/{box}/points"
-        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
-        return read(Edit, answer.json())
+        body = BoxPoints(frames, only_unlabeled, str(uuid.uuid4()))
+        return self._change(Edit, "POST", f"/{box}/points", body)
 
     @steps
     def frame(self, frame: int | None = None, label: int | None = None) -> Steps[Any]:
@@ -122,15 +112,12 @@ class Boxes(Part[L]):
         return pandas.DataFrame(rows, columns=None if rows else list(COLUMNS))
 
     def _listed(self, frame: int | None, label: int | None) -> Steps[list[Box]]:
-        given = {"frame": frame, "label": label}
-        query = {name: value for name, value in given.items() if value is not None}
-        answer = yield from send(Request("GET", self._place, {"params": query}, idempotent=True))
-        return [read(Box, entry) for entry in answer.json()["boxes"]]
+        found = yield from self._get(dict[str, Any], frame=frame, label=label)
+        return read(list[Box], found["boxes"])
 
-    def _edited(self, method: str, place: str, body: Mapping[str, Any]) -> Steps[Box]:
+    def _edited(self, method: str, path: str, body: Mapping[str, Any]) -> Steps[Box]:
         named = {**body, "edit": str(uuid.uuid4())}
-        answer = yield from send(Request(method, place, {"json": named}, idempotent=True))
-        return read(Box, answer.json()["box"])
+        return read(Box, (yield from self._change(dict[str, Any], method, path, named))["box"])
 
 
 COLUMNS = (

@@ -7,24 +7,13 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import httpx
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.client.answers import read, tuple_of, vector
-from pointbrush.client.steps import (
-    PATIENCE,
-    L,
-    Part,
-    Request,
-    Steps,
-    finished,
-    send,
-    started,
-    steps,
-)
+from pointbrush.client.steps import PATIENCE, L, Part, Request, Steps, finished, started, steps
 from pointbrush.client.uploads import AnyPath
 from pointbrush.values.classifiers import (
     Application,
@@ -63,14 +52,12 @@ class Classifiers(Part[L]):
     @steps
     def all(self) -> Steps[list[Classifier]]:
         """Return all classifiers, by id."""
-        answer = yield from send(Request("GET", "/classifiers", idempotent=True))
-        return [read(Classifier, entry) for entry in answer.json()]
+        return self._get(list[Classifier], "/classifiers")
 
     @steps
     def __getitem__(self, classifier: str) -> Steps[Classifier]:
         """Return a classifier by its id; raises NotFoundError."""
-        answer = yield from send(Request("GET", f"/classifiers/{classifier}", idempotent=True))
-        return read(Classifier, answer.json())
+        return self._get(Classifier, f"/classifiers/{classifier}")
 
     @steps
     def create(
@@ -83,50 +70,41 @@ class Classifiers(Part[L]):
         of the server to use instead of the trees.  ``imported``: train on imported labels as well.
         ``start_from``: labelled recordings; the more is painted here, the less they count.
         """
-        new = NewClassifier(
+        body = NewClassifier(
             name, tuple(recordings), tuple_of(classes), model, imported, tuple(start_from)
         )
-        body = new.given()
-        answer = yield from send(Request("POST", "/classifiers", {"json": body}))
-        return read(Classifier, answer.json())
+        return self._change(Classifier, "POST", "/classifiers", body, idempotent=False)
 
     @steps
     def teach(self, classifier: str, recordings: Sequence[str] = ()) -> Steps[Classifier]:
         """Train on the current labels, also of further recordings, and save the classifier."""
-        body = MoreExamples(tuple(recordings)).given()
-        place = f"/classifiers/{classifier}/teach"
-        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
-        return read(Classifier, answer.json())
+        body = MoreExamples(tuple(recordings))
+        return self._change(Classifier, "POST", f"/classifiers/{classifier}/teach", body)
 
     @steps
     def delete(self, classifier: str) -> Steps[None]:
         """Delete a classifier; the labels that it applied stay."""
-        yield from send(Request("DELETE", f"/classifiers/{classifier}"))
+        yield from self._call("DELETE", f"/classifiers/{classifier}")
 
     @steps
     def save(self, classifier: str, out: AnyPath) -> Steps[Path]:
         """Write a classifier to a file for ``load``, and return the file's path."""
         target = Path(out)
-        place = f"/classifiers/{classifier}/file"
-        answer = yield from send(Request("GET", place, idempotent=True))
+        answer = yield from self._call("GET", f"/classifiers/{classifier}/file")
         target.write_bytes(answer.content)
         return target
 
     @steps
     def load(self, file: AnyPath, name: str | None = None) -> Steps[Classifier]:
         """Add a classifier from a file of ``save``, and return it; ``name``: its new name."""
-        query = {} if name is None else {"name": name}
-        options = {"content": Path(file).read_bytes(), "params": query}
-        answer = yield from send(Request("POST", "/classifiers/file", options))
+        content = Path(file).read_bytes()
+        place = "/classifiers/file"
+        answer = yield from self._call("POST", place, content=content, params={"name": name})
         return read(Classifier, answer.json())
 
 
 class ByExample(Part[L]):
     """Predictions of a recording by classifiers, and their application as labels."""
-
-    def __init__(self, link: L, sequence: str) -> None:
-        super().__init__(link)
-        self._sequence = sequence
 
     @steps
     def predict(
@@ -143,17 +121,13 @@ class ByExample(Part[L]):
         metres; a frame of many millions of points needs a place.
         """
         body = PredictionRequest(classifier, tuple_of(labels), vector(place)).given()
-        path = f"/sequences/{self._sequence}/frames/{frame}/prediction"
-        return _prediction(
-            (yield from send(Request("POST", path, {"json": body}, idempotent=True)))
-        )
+        path = f"/frames/{frame}/prediction"
+        return _prediction((yield from self._call("POST", path, json=body, idempotent=True)))
 
     @steps
     def starts(self) -> Steps[dict[str, tuple[str, ...]]]:
         """Return the recordings that a classifier of this one can start from, with classes."""
-        path = f"/sequences/{self._sequence}/starts"
-        answer = yield from send(Request("GET", path, idempotent=True))
-        starts = [read(Start, entry) for entry in answer.json()]
+        starts = yield from self._get(list[Start], "/starts")
         return {start.recording: start.classes for start in starts}
 
     @steps
@@ -172,13 +146,8 @@ class ByExample(Part[L]):
         ``near`` (3,) source metres: search only near a place of a large frame.  ``most``: maximum
         number of places.
         """
-        query: dict[str, Any] = {"classifier": classifier, "most": most}
-        query |= {} if frame is None else {"frame": frame}
-        query |= {"workspace": "true"} if workspace else {}
-        query |= {} if near is None else {"near": list(near)}
-        path = f"/sequences/{self._sequence}/doubt"
-        answer = yield from send(Request("GET", path, {"params": query}, idempotent=True))
-        return [read(Place, entry) for entry in answer.json()]
+        query = {"classifier": classifier, "most": most, "frame": frame, "near": vector(near)}
+        return self._get(list[Place], "/doubt", **query, workspace="true" if workspace else None)
 
     @steps
     def answer(self, classifier: str, place: Place, label: int) -> Steps[int]:
@@ -199,15 +168,13 @@ class ByExample(Part[L]):
     ) -> Steps[httpx.Response]:
         about = DoubtPlace(place.frame, place.centre, place.radius)
         body = DoubtAnswer(classifier, about, label, skip).given()
-        path = f"/sequences/{self._sequence}/doubt/answers"
-        return (yield from send(Request("POST", path, {"json": body})))
+        return self._call("POST", "/doubt/answers", json=body)
 
     @steps
     def take_back(self, classifier: str, place: Place | None = None) -> Steps[None]:
         """Take back the answer of ``ignore`` at a place, or the last one; raises NotFoundError."""
-        path = f"/sequences/{self._sequence}/doubt/answers"
-        query = {"classifier": classifier} | ({"centre": list(place.centre)} if place else {})
-        yield from send(Request("DELETE", path, {"params": query}))
+        query = {"classifier": classifier, "centre": place and place.centre}
+        yield from self._call("DELETE", "/doubt/answers", params=query)
 
     @steps
     def start(
@@ -215,7 +182,7 @@ class ByExample(Part[L]):
         patience: float = PATIENCE,
     ) -> Steps[Job]:  # fmt: skip
         """Start an application and return its job; arguments as of ``apply``."""
-        return (yield from self._start(classifier, frames, above, patience))
+        return self._start(classifier, frames, above, patience)
 
     @steps
     def apply(
@@ -236,7 +203,7 @@ class ByExample(Part[L]):
     ) -> Steps[Job]:
         job = str(uuid.uuid4())
         body = Application(classifier, frames, above, job).given()
-        place = f"/sequences/{self._sequence}/predictions"
+        place = f"{self._place}/predictions"
         return started(job, Request("POST", place, {"json": body}, patience=patience))
 
 

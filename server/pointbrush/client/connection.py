@@ -65,7 +65,7 @@ class Server(Part[L]):
     @steps
     def sequences(self) -> Steps[list[Recording[L]]]:
         """Return all readable recordings, by name."""
-        listed = yield from self._manifests()
+        listed = yield from self._get(list[Manifest], "/sequences")
         return [Recording(self._link, entry) for entry in listed if entry.damaged is None]
 
     @steps
@@ -75,21 +75,15 @@ class Server(Part[L]):
         Criteria: project, class_, label, state (of a task), person.
         """
         query = {name.rstrip("_"): value for name, value in wanted.items()} | {"q": q}
-        answer = yield from send(Request("GET", "/sequences", {"params": query}, idempotent=True))
-        return [read(Manifest, entry) for entry in answer.json()]
+        return self._get(list[Manifest], "/sequences", **query)
 
     @steps
     def manifests(self) -> Steps[list[Manifest]]:
         """Return the manifests of all recordings, ``damaged`` ones too, by name."""
-        return (yield from self._manifests())
-
-    def _manifests(self, query: str = "") -> Steps[list[Manifest]]:
-        answer = yield from send(Request("GET", f"/sequences{query}", idempotent=True))
-        return [read(Manifest, entry) for entry in answer.json()]
+        return self._get(list[Manifest], "/sequences")
 
     def _open(self, sequence: str) -> Steps[Recording[L]]:
-        answer = yield from send(Request("GET", f"/sequences/{sequence}", idempotent=True))
-        return Recording(self._link, read(Manifest, answer.json()))
+        return Recording(self._link, (yield from self._get(Manifest, f"/sequences/{sequence}")))
 
     @steps
     def __getitem__(self, sequence: str) -> Steps[Recording[L]]:
@@ -102,7 +96,8 @@ class Server(Part[L]):
                 return (yield from self._open(sequence))
             except NotFoundError:
                 pass
-        named = [each for each in (yield from self._manifests()) if each.name == sequence]
+        known = yield from self._get(list[Manifest], "/sequences")
+        named = [each for each in known if each.name == sequence]
         if len(named) > 1:
             ids = ", ".join(each.id for each in named)
             raise BadInputError(
@@ -115,7 +110,7 @@ class Server(Part[L]):
     @steps
     def deleted(self) -> Steps[list[Manifest]]:
         """Return the deleted recordings that can be restored, the last deleted first."""
-        return (yield from self._manifests("?deleted=true"))
+        return self._get(list[Manifest], "/sequences", deleted="true")
 
     @steps
     def restore(self, sequence: str) -> Steps[Recording[L]]:
@@ -123,13 +118,13 @@ class Server(Part[L]):
 
         Its id changes if another recording has it now.
         """
-        deleted = yield from self._manifests("?deleted=true")
+        deleted = yield from self._get(list[Manifest], "/sequences", deleted="true")
         # Only a call by identity can be repeated: several deleted recordings may have one id.
         known = (each.identity for each in deleted if sequence in (each.id, each.identity))
         key = next(known, None)
         path = f"/sequences/{key or sequence}/restore"
-        answer = yield from send(Request("POST", path, idempotent=key is not None))
-        return Recording(self._link, read(Manifest, answer.json()))
+        found = yield from self._change(Manifest, "POST", path, idempotent=key is not None)
+        return Recording(self._link, found)
 
     # ── imports ──────────────────────────────────────────────────────────────────────────
 
@@ -144,7 +139,7 @@ class Server(Part[L]):
         **options: Any,
     ) -> Steps[Job]:
         """Start an import and return its job; arguments as of ``import_files``."""
-        return (yield from _start_import(files, server_path, options, patience))
+        return _start_import(files, server_path, options, patience)
 
     @steps
     def import_path(
@@ -157,7 +152,7 @@ class Server(Part[L]):
         **options: Any,
     ) -> Steps[Recording[L]]:
         """Import a path on the server; the same as ``import_files(server_path=...)``."""
-        return (yield from self._imported(None, server_path, options, progress, patience))
+        return self._imported(None, server_path, options, progress, patience)
 
     @steps
     def import_files(
@@ -176,7 +171,7 @@ class Server(Part[L]):
         format, columns, delimiter, scale, up, topic, poses, by_order, drop_invalid, project.
         ``progress`` shows a bar.  ``patience``: seconds for which the server may be away.
         """
-        return (yield from self._imported(files, server_path, options, progress, patience))
+        return self._imported(files, server_path, options, progress, patience)
 
     def _imported(
         self,
@@ -205,8 +200,8 @@ class Server(Part[L]):
     @steps
     def entries(self, server_path: AnyPath) -> Steps[list[Entry]]:
         """Return the entries of a folder on the server."""
-        request = Request("POST", "/imports/entries", {"json": {"path": str(server_path)}})
-        return [read(Entry, entry) for entry in (yield from send(request)).json()]
+        body = {"path": str(server_path)}
+        return self._change(list[Entry], "POST", "/imports/entries", body, idempotent=False)
 
     # ── labels by example ────────────────────────────────────────────────────────────────
 
@@ -237,14 +232,12 @@ class Server(Part[L]):
     @steps
     def taxonomy(self) -> Steps[list[Category]]:
         """Return the workspace's classes, by number."""
-        answer = yield from send(Request("GET", "/taxonomy", idempotent=True))
-        return list(read(Taxonomy, answer.json()).categories)
+        return list((yield from self._get(Taxonomy, "/taxonomy")).categories)
 
     @steps
     def box_attributes(self) -> Steps[list[BoxAttribute]]:
         """Return the attributes of boxes beside occluded, truncated and parked."""
-        answer = yield from send(Request("GET", "/taxonomy", idempotent=True))
-        return list(read(Taxonomy, answer.json()).attributes)
+        return list((yield from self._get(Taxonomy, "/taxonomy")).attributes)
 
     @steps
     def change_taxonomy(
@@ -259,37 +252,35 @@ class Server(Part[L]):
         """
         every = None if attributes is None else tuple(attributes)
         body = TaxonomyChange(tuple(categories), every).given()
-        yield from send(Request("PUT", "/taxonomy", {"json": body}, idempotent=True))
+        yield from self._call("PUT", "/taxonomy", json=body, idempotent=True)
 
     @steps
     def merge_categories(self, number: int, others: Sequence[int]) -> Steps[None]:
         """Merge other classes into this one: it gets their labels, and they are deleted."""
         body = {"categories": list(others)}
-        yield from send(Request("POST", f"/taxonomy/{number}/merge", {"json": body}))
+        yield from self._call("POST", f"/taxonomy/{number}/merge", json=body)
 
     @steps
     def delete_category(self, number: int) -> Steps[None]:
         """Remove a class; raises ConflictError while labels have it."""
-        yield from send(Request("DELETE", f"/taxonomy/{number}", idempotent=True))
+        yield from self._call("DELETE", f"/taxonomy/{number}", idempotent=True)
 
     @steps
     def templates(self) -> Steps[list[str]]:
         """Return the names of the palettes for ``Recording.add_palette``."""
-        return list((yield from send(Request("GET", "/templates", idempotent=True))).json())
+        return list((yield from self._call("GET", "/templates")).json())
 
     @steps
     def export_formats(self) -> Steps[list[ExportFormat]]:
         """Return the export formats, with the content that each cannot hold."""
-        answer = yield from send(Request("GET", "/exports", idempotent=True))
-        return [read(ExportFormat, entry) for entry in answer.json()]
+        return self._get(list[ExportFormat], "/exports")
 
     # ── jobs ─────────────────────────────────────────────────────────────────────────────
 
     @steps
     def jobs(self) -> Steps[list[Job]]:
         """Return the jobs that the server remembers, newest first."""
-        answer = yield from send(Request("GET", "/jobs", idempotent=True))
-        return [read(Job, entry) for entry in answer.json()]
+        return self._get(list[Job], "/jobs")
 
     @steps
     def job(self, job: str, *, patience: float = 0.0) -> Steps[Job]:
@@ -297,15 +288,13 @@ class Server(Part[L]):
 
         ``patience``: seconds for which the server may be away.
         """
-        return (yield from job_now(job, patience))
+        return job_now(job, patience)
 
     @steps
     def cancel(self, job: str, *, keep: bool = False) -> Steps[Job]:
         """Cancel a job and return it; ``keep`` commits the labels found by a tracking run."""
-        query = {"keep": json.dumps(keep)}
         try:
-            request = Request("DELETE", f"/jobs/{job}", {"params": query}, idempotent=True)
-            return read(Job, (yield from send(request)).json())
+            return (yield from self._change(Job, "DELETE", f"/jobs/{job}", keep=json.dumps(keep)))
         except ConflictError:
             ended = yield from job_now(job)
             if ended.state != "cancelled":  # by an earlier call with a lost answer
@@ -321,7 +310,7 @@ class Server(Part[L]):
         ``patience``: seconds for which the server may be away, such as during a restart.  Raises
         PointbrushError with the error of a failed job, CancelledError, UnavailableError.
         """
-        return (yield from finished(job, progress=progress, patience=patience))
+        return finished(job, progress=progress, patience=patience)
 
 
 class Client(Server[SyncLink]):

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, overload
 from urllib.parse import quote
 
-import httpx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -23,6 +22,8 @@ from pointbrush.client.answers import (
     read,
 )
 from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.answers import Annotation, array_of, layer_of, npy_of, rays, read
+from pointbrush.client.steps import L, Part, Steps, steps
 from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera
 from pointbrush.values.masks import LATTICE, MaskEdit
@@ -34,22 +35,14 @@ class Frame(Part[L]):
     """Frame ``index`` of a recording."""
 
     def __init__(self, link: L, sequence: str, index: int) -> None:
-        super().__init__(link)
+        super().__init__(link, f"/sequences/{sequence}/frames/{index}")
         self._sequence, self.index = sequence, index
 
     def __repr__(self) -> str:
         return f"Frame({self._sequence!r}, {self.index})"
 
-    def _call(
-        self, method: str, path: str, *, idempotent: bool = False, **options: Any
-    ) -> Steps[httpx.Response]:
-        place = f"/sequences/{self._sequence}/frames/{self.index}{path}"
-        return send(Request(method, place, options, idempotent=idempotent or method == "GET"))
-
     def _edit(self, path: str, body: Mapping[str, Any]) -> Steps[Edit]:
-        named = {"id": str(uuid.uuid4()), **body}
-        answer = yield from self._call("POST", path, json=named, idempotent=True)
-        return read(Edit, answer.json())
+        return self._change(Edit, "POST", path, {"id": str(uuid.uuid4()), **body})
 
     # ── points and pictures ──────────────────────────────────────────────────────────────
 
@@ -66,8 +59,7 @@ class Frame(Part[L]):
     @steps
     def cameras(self) -> Steps[list[Camera]]:
         """Return the cameras with a picture of this frame."""
-        answer = yield from self._call("GET", "/cameras")
-        return [read(Camera, entry) for entry in answer.json()]
+        return self._get(list[Camera], "/cameras")
 
     @steps
     def image(self, camera: str) -> Steps[bytes]:
@@ -127,7 +119,7 @@ class Frame(Part[L]):
 
         ``snapshot``: id of a snapshot to read instead of the current labels.
         """
-        params = {"layer": layer} | ({} if snapshot is None else {"snapshot": snapshot})
+        params = {"layer": layer, "snapshot": snapshot}
         answer = yield from self._call("GET", "/annotation", params=params)
         return Annotation(array_of(answer), answer.headers["ETag"])
 
@@ -173,7 +165,7 @@ class Frame(Part[L]):
         ``fields``: other fields of the stroke, such as radius, polygon, matrix, candidate, frames.
         """
         body = {"label": label, "tool": tool, "shape": shape, **fields}
-        return (yield from self._edit("/strokes", {**body, "samples": rays(samples, directions)}))
+        return self._edit("/strokes", {**body, "samples": rays(samples, directions)})
 
     @steps
     def objects(
@@ -193,13 +185,12 @@ class Frame(Part[L]):
         body = {"positives": rays(origins, directions), **fields}
         if negatives is not None:
             body["negatives"] = rays(*negatives)
-        answer = yield from self._call("POST", "/object", json=body, idempotent=True)
-        return list(read(Candidates, answer.json()).candidates)
+        return list((yield from self._change(Candidates, "POST", "/object", body)).candidates)
 
     @steps
     def copy_labels(self, source: int, labels: Sequence[int]) -> Steps[Edit]:
         """Copy ``labels`` from the points at the same place in frame ``source``."""
-        return (yield from self._edit("/copy", Copying(tuple(labels), source).given()))
+        return self._edit("/copy", Copying(tuple(labels), source).given())
 
     @steps
     def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
@@ -207,7 +198,7 @@ class Frame(Part[L]):
 
         Painted points lose the labels as well; ``recording.clear`` clears only tracked points.
         """
-        return (yield from self._edit("/clear", Clearing(tuple(labels), stop).given()))
+        return self._edit("/clear", Clearing(tuple(labels), stop).given())
 
 
 class Frames(Part[L], Sequence[Frame[L]]):

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from pointbrush.client.answers import read
-from pointbrush.client.steps import L, Part, Request, Steps, send, steps
+from pointbrush.client.steps import L, Part, Steps, steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +26,10 @@ class HeadsetReports(Part[L]):
     @steps
     def all(self) -> Steps[list[HeadsetReport]]:
         """Return the reports, newest first, for managers."""
-        answer = yield from send(Request("GET", "/headset-reports", idempotent=True))
-        return [read(HeadsetReport, entry) for entry in answer.json()]
+        return self._get(list[HeadsetReport], "/headset-reports")
 
     @steps
     def add(self, report: Mapping[str, Any]) -> Steps[str]:
         """Store a report as ``/check-headset`` writes it, and return its id."""
-        request = Request("POST", "/headset-reports", {"json": dict(report)})
-        return str((yield from send(request)).json()["id"])
+        answer = yield from self._call("POST", "/headset-reports", json=dict(report))
+        return str(answer.json()["id"])

@@ -8,7 +8,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import httpx
 from numpy.typing import ArrayLike
 
 from pointbrush.client.answers import html_table, layer_of, npz_of, read, tuple_of
@@ -16,17 +15,7 @@ from pointbrush.client.boxes import Boxes
 from pointbrush.client.classifiers import ByExample
 from pointbrush.client.frame import Frames
 from pointbrush.client.review import Review
-from pointbrush.client.steps import (
-    PATIENCE,
-    L,
-    Part,
-    Request,
-    Steps,
-    finished,
-    send,
-    started,
-    steps,
-)
+from pointbrush.client.steps import PATIENCE, L, Part, Request, Steps, T, finished, started, steps
 from pointbrush.client.uploads import AnyPath, Files, upload
 from pointbrush.client.watching import Watch
 from pointbrush.errors import NotFoundError
@@ -42,7 +31,7 @@ from pointbrush.values.labels import (
     NewLabel,
     OfferedCategories,
 )
-from pointbrush.values.recordings import Manifest
+from pointbrush.values.recordings import Manifest, RecordingPatch
 from pointbrush.values.tracking import Overwrite, Run, Stretch, Track, TrackingRequest
 
 
@@ -53,13 +42,13 @@ class Recording(Part[L]):
     """
 
     def __init__(self, link: L, manifest: Manifest) -> None:
-        super().__init__(link)
+        super().__init__(link, f"/sequences/{manifest.id}")
         self.manifest = manifest
         self.id, self.name = manifest.id, manifest.name
         self.frames: Frames[L] = Frames(link, self.id, manifest.frames)
-        self.review: Review[L] = Review(link, self.id)
-        self.boxes: Boxes[L] = Boxes(link, self.id)
-        self.by_example: ByExample[L] = ByExample(link, self.id)
+        self.review: Review[L] = Review(link, self._place)
+        self.boxes: Boxes[L] = Boxes(link, f"{self._place}/boxes")
+        self.by_example: ByExample[L] = ByExample(link, self._place)
 
     def __repr__(self) -> str:
         return f"Recording({self.id!r}, {len(self.frames)} frames)"
@@ -76,48 +65,29 @@ class Recording(Part[L]):
         }
         return html_table(known.name, facts)
 
-    def _call(
-        self,
-        method: str,
-        path: str,
-        *,
-        idempotent: bool = False,
-        into: Path | None = None,
-        **options: Any,
-    ) -> Steps[httpx.Response]:
-        place = f"/sequences/{self.id}{path}"
-        return send(Request(method, place, options, into, idempotent or method == "GET"))
-
-    def _edit(self, method: str, path: str, body: dict[str, Any] | None = None) -> Steps[Edit]:
+    def _edit(self, path: str, body: dict[str, Any] | None = None) -> Steps[Edit]:
         """Make an edit once, by a call with the edit's id in its body."""
-        named = {"id": str(uuid.uuid4()), **(body or {})}
-        answer = yield from self._call(method, path, idempotent=True, json=named)
-        return read(Edit, answer.json())
+        return self._change(Edit, "POST", path, {"id": str(uuid.uuid4()), **(body or {})})
 
     def _palette_edit(
-        self, method: str, path: str, body: Body | None = None
-    ) -> Steps[dict[str, Any]]:
+        self, kind: type[T], method: str, path: str, body: Body | None = None
+    ) -> Steps[T]:
         """Make an edit once, by a call with the edit's id in its query."""
-        query, given = {"edit": str(uuid.uuid4())}, body and body.given()
-        answer = yield from self._call(method, path, idempotent=True, params=query, json=given)
-        found: dict[str, Any] = answer.json()
-        return found
+        return self._change(kind, method, path, body, edit=str(uuid.uuid4()))
 
     # ── palette ──────────────────────────────────────────────────────────────────────────
 
     @steps
     def labels(self) -> Steps[list[Label]]:
         """Return the palette, with the number of points of each label."""
-        answer = yield from self._call("GET", "/labels")
-        return [read(Label, entry) for entry in answer.json()]
+        return self._get(list[Label], "/labels")
 
     @steps
     def label(self, name: str) -> Steps[Label]:
         """Return the label with a name; raises NotFoundError."""
-        answer = yield from self._call("GET", "/labels")
-        for entry in answer.json():
-            if entry["name"] == name:
-                return read(Label, entry)
+        for label in (yield from self._get(list[Label], "/labels")):
+            if label.name == name:
+                return label
         raise NotFoundError(f"label: expected one of the palette, got {name!r}")
 
     @steps
@@ -130,7 +100,7 @@ class Recording(Part[L]):
         ``distinct``: replace a name or colour that is in use by a free one.
         """
         body = NewLabel(name, category, color, id, locked, visible, distinct)
-        return read(Label, (yield from self._palette_edit("POST", "/labels", body)))
+        return self._palette_edit(Label, "POST", "/labels", body)
 
     @steps
     def update_label(
@@ -139,52 +109,46 @@ class Recording(Part[L]):
     ) -> Steps[Label]:  # fmt: skip
         """Change a label and return it; None: no change."""
         body = LabelPatch(name, category, color, locked, visible)
-        return read(Label, (yield from self._palette_edit("PATCH", f"/labels/{label}", body)))
+        return self._palette_edit(Label, "PATCH", f"/labels/{label}", body)
 
     @steps
     def delete_label(self, label: int) -> Steps[Edit]:
         """Delete a label; the same edit makes its points unlabeled."""
-        return read(Edit, (yield from self._palette_edit("DELETE", f"/labels/{label}")))
+        return self._palette_edit(Edit, "DELETE", f"/labels/{label}")
 
     @steps
     def merge_labels(self, into: int, labels: Sequence[int]) -> Steps[Edit]:
         """Give all points of ``labels`` to label ``into`` and delete ``labels``, as one edit."""
-        body = Merge(tuple(labels))
-        return read(Edit, (yield from self._palette_edit("POST", f"/labels/{into}/merge", body)))
+        return self._palette_edit(Edit, "POST", f"/labels/{into}/merge", Merge(tuple(labels)))
 
     @steps
     def add_palette(self, template: str) -> Steps[list[str]]:
         """Add the classes of a well-known dataset; return the names of the new labels."""
         # A repeated call finds the labels in the palette: it needs no id.
-        answer = yield from self._call(
-            "POST", "/palette", idempotent=True, json={"template": template}
-        )
-        return list(read(AddedLabels, answer.json()).added)
+        body = {"template": template}
+        return list((yield from self._change(AddedLabels, "POST", "/palette", body)).added)
 
     # ── edits ────────────────────────────────────────────────────────────────────────────
 
     @steps
     def categories(self) -> Steps[list[str]]:
         """Return the categories for labels: the selection of the project, or all."""
-        answer = yield from self._call("GET", "/categories")
-        return list(read(OfferedCategories, answer.json()).names)
+        return list((yield from self._get(OfferedCategories, "/categories")).names)
 
     @steps
     def undo(self) -> Steps[Edit]:
         """Undo your last edit; raises ConflictError if there is none."""
-        return (yield from self._edit("POST", "/undo"))
+        return self._edit("/undo")
 
     @steps
     def redo(self) -> Steps[Edit]:
         """Redo the edit of your last undo."""
-        return (yield from self._edit("POST", "/redo"))
+        return self._edit("/redo")
 
     @steps
     def edits(self, limit: int = 100, before: int | None = None) -> Steps[list[PastEdit]]:
         """Return the history, newest first; ``before``: only edits before this revision."""
-        query = {"limit": limit} | ({} if before is None else {"before": before})
-        answer = yield from self._call("GET", "/edits", params=query)
-        return [read(PastEdit, entry) for entry in answer.json()]
+        return self._get(list[PastEdit], "/edits", limit=limit, before=before)
 
     def watch(self, after: int | None = None, *, patience: float = PATIENCE) -> Watch[L]:
         """Return an iterator of edits, doubts and jobs, for ``for`` or ``async for``.
@@ -192,7 +156,7 @@ class Recording(Part[L]):
         ``after``: start with the edits after this revision (None: from now on).  ``patience``:
         seconds for which the server may be away.
         """
-        return Watch(self._link, self.id, after, patience)
+        return Watch(self._link, self._place, after, patience)
 
     @steps
     def annotate(self, values: Mapping[int, ArrayLike], layer: str = "label") -> Steps[Edit]:
@@ -217,7 +181,7 @@ class Recording(Part[L]):
     def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
         """Mark tracked points of labels in frames ``start`` to ``stop`` as painted."""
         body = Stretch(labels=tuple(labels), start=start, stop=stop)
-        return (yield from self._edit("POST", "/accept", body.given()))
+        return self._edit("/accept", body.given())
 
     @steps
     def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
@@ -226,7 +190,7 @@ class Recording(Part[L]):
         ``frames[i].clear`` removes the labels from painted points as well.
         """
         body = Stretch(labels=tuple(labels), start=start, stop=stop)
-        return (yield from self._edit("POST", "/clear", body.given()))
+        return self._edit("/clear", body.given())
 
     # ── tracking ─────────────────────────────────────────────────────────────────────────
 
@@ -241,7 +205,7 @@ class Recording(Part[L]):
             start, stop, tuple_of(labels), method, overwrite,
             continue_lost, until_painted, stop_unsure,
         )  # fmt: skip
-        return (yield from self._tracking(body, patience))
+        return self._start("/tracking", body, patience)
 
     @steps
     def track(
@@ -262,20 +226,18 @@ class Recording(Part[L]):
             start, stop, tuple_of(labels), method, overwrite,
             continue_lost, until_painted, stop_unsure,
         )  # fmt: skip
-        job = yield from self._tracking(body, patience)
+        job = yield from self._start("/tracking", body, patience)
         return read(Run, (yield from finished(job, progress=progress, patience=patience)))
 
-    def _tracking(self, body: TrackingRequest, patience: float) -> Steps[Job]:
+    def _start(self, path: str, body: Body, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
         request = {"json": {"id": job, **body.given()}}
-        place = f"/sequences/{self.id}/tracking"
-        return started(job, Request("POST", place, request, patience=patience))
+        return started(job, Request("POST", self._place + path, request, patience=patience))
 
     @steps
     def tracks(self) -> Steps[list[Track]]:
         """Return pose, confidence and state of each tracked label in each frame."""
-        answer = yield from self._call("GET", "/tracks")
-        return [read(Track, entry) for entry in answer.json()]
+        return self._get(list[Track], "/tracks")
 
     # ── boxes ────────────────────────────────────────────────────────────────────────────
 
@@ -291,7 +253,7 @@ class Recording(Part[L]):
     ) -> Steps[Job]:
         """Start a fit of boxes and return its job; arguments as of ``fit_boxes``."""
         body = BoxFit(tuple_of(labels), category, frames, redraw)
-        return (yield from self._fit(body, patience))
+        return self._start("/boxes/fit", body, patience)
 
     @steps
     def fit_boxes(
@@ -309,20 +271,13 @@ class Recording(Part[L]):
         ``redraw`` also replaces poses that a person drew.  ``patience``: as of ``track``.
         """
         body = BoxFit(tuple_of(labels), category, frames, redraw)
-        job = yield from self._fit(body, patience)
+        job = yield from self._start("/boxes/fit", body, patience)
         return read(FittedBoxes, (yield from finished(job, progress=progress, patience=patience)))
-
-    def _fit(self, body: BoxFit, patience: float) -> Steps[Job]:
-        job = str(uuid.uuid4())
-        request = {"json": {"id": job, **body.given()}}
-        return started(
-            job, Request("POST", f"/sequences/{self.id}/boxes/fit", request, patience=patience)
-        )
 
     @steps
     def export_boxes(self, format: str, out: AnyPath, frames: str | None = None) -> Steps[Path]:
         """Write the boxes of frames ``I:J`` in a format of boxes; as ``export``."""
-        return (yield from self._export(out, {"format": format, "frames": frames}))
+        return self._export(out, {"format": format, "frames": frames})
 
     # ── labels made elsewhere, exports ───────────────────────────────────────────────────
 
@@ -368,8 +323,7 @@ class Recording(Part[L]):
     @steps
     def import_source_labels(self) -> Steps[None]:
         """Import the labels in the recording's own files that were not imported with it."""
-        place = f"/sequences/{self.id}/source-labels"
-        yield from send(Request("POST", place, idempotent=True))
+        yield from self._call("POST", "/source-labels", idempotent=True)
 
     def _label_import(
         self,
@@ -380,7 +334,7 @@ class Recording(Part[L]):
         patience: float,
     ) -> Steps[Job]:
         job, query = str(uuid.uuid4()), {"dry_run": json.dumps(dry_run)}
-        place, options = f"/sequences/{self.id}/annotations", {"id": job, **given}
+        place, options = f"{self._place}/annotations", {"id": job, **given}
         request = upload(place, files, options, server_path, query=query, patience=patience)
         return started(job, request)
 
@@ -403,15 +357,13 @@ class Recording(Part[L]):
         """
         options = {"format": format, "frames": frames, "val": val, "above": above or None}
         options |= {"snapshot": snapshot}
-        return (yield from self._export(out, options))
+        return self._export(out, options)
 
     def _export(self, out: AnyPath, options: dict[str, Any]) -> Steps[Path]:
-        query = {key: value for key, value in options.items() if value is not None}
         target = Path(out)
         partial = target.with_name(f".{target.name}-{uuid.uuid4().hex}")
         try:
-            place = f"/sequences/{self.id}/export"
-            yield from send(Request("GET", place, {"params": query}, into=partial, idempotent=True))
+            yield from self._call("GET", "/export", params=options, into=partial)
             partial.replace(target)
         finally:
             partial.unlink(missing_ok=True)
@@ -422,10 +374,8 @@ class Recording(Part[L]):
     @steps
     def update(self, *, name: str | None = None, fps: float | None = None) -> Steps[Manifest]:
         """Change the name or the frame rate, and return the new manifest."""
-        given = {"name": name, "fps": fps}
-        body = {key: value for key, value in given.items() if value is not None}
-        answer = yield from self._call("PATCH", "", json=body, idempotent=True)
-        self.manifest = read(Manifest, answer.json())
+        body = RecordingPatch(name, fps)
+        self.manifest = yield from self._change(Manifest, "PATCH", "", body)
         self.name = self.manifest.name
         return self.manifest
 
@@ -433,5 +383,5 @@ class Recording(Part[L]):
     def delete(self) -> Steps[None]:
         """Delete the recording with its labels; ``Client.restore`` restores it within 30 days."""
         identity = self.manifest.identity
-        query = {} if identity is None else {"identity": identity}
-        yield from self._call("DELETE", "", idempotent=identity is not None, params=query)
+        query = {"identity": identity}
+        yield from self._call("DELETE", idempotent=identity is not None, params=query)

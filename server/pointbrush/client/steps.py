@@ -12,7 +12,7 @@ import logging
 import sys
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Coroutine, Generator
+from collections.abc import Callable, Coroutine, Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial, wraps
@@ -25,6 +25,7 @@ from typing_extensions import TypeVar
 
 from pointbrush import errors
 from pointbrush.client.answers import raise_for, read
+from pointbrush.values.base import Body
 from pointbrush.values.jobs import Job
 
 log = logging.getLogger(__name__)
@@ -199,10 +200,47 @@ L = TypeVar("L", bound=SyncLink | AsyncLink, default=SyncLink)
 
 
 class Part(Generic[L]):
-    """A part of the client, which reaches the server by a link."""
+    """A part of the client, which reaches the server by a link; its paths begin with ``place``."""
 
-    def __init__(self, link: L) -> None:
+    def __init__(self, link: L, place: str = "") -> None:
         self._link: L = link
+        self._place = place
+
+    def _call(
+        self,
+        method: str,
+        path: str = "",
+        *,
+        params: Mapping[str, Any] | None = None,
+        into: Path | None = None,
+        idempotent: bool = False,
+        **options: Any,
+    ) -> Steps[httpx.Response]:
+        """Make a call; parameters that are None are left out, ``options`` are passed to httpx."""
+        options["params"] = {n: value for n, value in (params or {}).items() if value is not None}
+        repeated = idempotent or method == "GET"
+        return send(Request(method, self._place + path, options, into, repeated))
+
+    def _get(self, kind: type[T], path: str = "", **query: Any) -> Steps[T]:
+        """Return an answer as a value of ``kind``; the query as of ``_call``."""
+        return read(kind, (yield from self._call("GET", path, params=query)).json())
+
+    def _change(
+        self,
+        kind: type[T],
+        method: str,
+        path: str = "",
+        body: Body | Mapping[str, Any] | None = None,
+        *,
+        idempotent: bool = True,
+        **query: Any,
+    ) -> Steps[T]:
+        """Make a call with a body as JSON, and return the answer as a value of ``kind``."""
+        given = body.given() if isinstance(body, Body) else body
+        answer = yield from self._call(
+            method, path, params=query, idempotent=idempotent, json=given
+        )
+        return read(kind, answer.json())
 
 
 class steps(Generic[P, T]):  # noqa: N801 – a decorator

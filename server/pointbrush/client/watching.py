@@ -36,10 +36,9 @@ class Watch(Part[L]):
     from ``revision``, the revision of the last returned edit.
     """
 
-    def __init__(self, link: L, sequence: str, after: int | None, patience: float) -> None:
-        super().__init__(link)
+    def __init__(self, link: L, place: str, after: int | None, patience: float) -> None:
+        super().__init__(link, place)
         self.revision = after
-        self._path = f"/sequences/{sequence}/events"
         self._patience = patience
         self._jobs_seen: str | None = None
         self._jobs: dict[str, Job] = {}
@@ -52,7 +51,7 @@ class Watch(Part[L]):
             query = {"wait": WAIT_SECONDS, "after": self.revision, "jobs_seen": self._jobs_seen}
             given = {name: value for name, value in query.items() if value is not None}
             request = Request(
-                "GET", self._path, {"params": given}, idempotent=True, patience=self._patience
+                "GET", f"{self._place}/events", {"params": given}, None, True, self._patience
             )
             self._take(read(Events, (yield from send(request)).json()))
         return self._ahead.popleft()
