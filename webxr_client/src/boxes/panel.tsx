@@ -90,7 +90,7 @@ function Without() {
     <div class="box-without stack">
       {label ? (
         <>
-          <p>No box yet. BoxFit one to the label’s points in all frames.</p>
+          <p>No box yet. Fit one to the label’s points in all frames.</p>
           <FitButton kind="primary" />
           <TrackFit />
         </>
@@ -126,11 +126,11 @@ function FitButton({ kind = 'outlined' }: { kind?: 'primary' | 'outlined' }) {
   const own = label ? start({ labels: [label.id] }) : start({});
   return (
     <div class="group">
-      <Button icon="target" label="BoxFit" kind={kind} tip="BoxFit the box to the label’s points in all frames; drawn boxes stay" disabled={!canEdit.value} onClick={own} />
-      <PopoverButton open={fitOpen} icon="chevron" tip="BoxFit more boxes" kind={kind} disabled={!canEdit.value} label="BoxFit boxes" class="menu">
-        {label && <MenuItem label={`BoxFit ${label.name}`} onClick={own} />}
-        {label?.category && <MenuItem label={`BoxFit every ${label.category}`} onClick={start({ category: label.category })} />}
-        <MenuItem label="BoxFit all labels" onClick={start({})} />
+      <Button icon="target" label="Fit" kind={kind} tip="Fit the box to the label’s points in all frames; drawn boxes stay" disabled={!canEdit.value} onClick={own} />
+      <PopoverButton open={fitOpen} icon="chevron" tip="Fit more boxes" kind={kind} disabled={!canEdit.value} label="Fit boxes" class="menu">
+        {label && <MenuItem label={`Fit ${label.name}`} onClick={own} />}
+        {label?.category && <MenuItem label={`Fit every ${label.category}`} onClick={start({ category: label.category })} />}
+        <MenuItem label="Fit all labels" onClick={start({})} />
       </PopoverButton>
     </div>
   ); // prettier-ignore
@@ -147,7 +147,7 @@ function Chosen({ box }: { box: ObjectBox }) {
         <Button label="Copy to next" icon="next" kind="outlined" keys="Shift C" tip="Copy the box to the next frame, along the track or on the ground" disabled={no || !isInFrame} onClick={() => void copyToFrame(1)} />
         <Button label="Interpolate" kind="outlined" keys="Shift L" tip="Fill the frames between two drawn boxes" disabled={no} onClick={() => void interpolate()} />
         <Button label="Turn round" kind="outlined" keys="Shift T" tip="Turn the box by 180° in all frames; its front then counts as known" disabled={no} onClick={() => void turnRound()} />
-        <Button label="Box from points" kind="outlined" keys="Shift F" tip="BoxFit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
+        <Button label="Box from points" kind="outlined" keys="Shift F" tip="Fit this frame’s box to the label’s points" disabled={no} onClick={() => void boxFromPoints()} />
         <Button label="Points from box" kind="outlined" keys="Shift P" tip="Label the points inside the box in this frame" disabled={no || !isInFrame} onClick={() => void pointsFromBox(false)} />
         <DrawButton />
       </div>
