@@ -10,8 +10,8 @@ export interface Command {
   readonly what: string;
   /** Group, shown beside it. */
   readonly group: string;
-  /** The shortcut to print; empty when there is none. */
-  readonly shown: string;
+  /** The shortcut to print. */
+  readonly shown?: string;
   /** Other words that find it. */
   readonly also?: string;
   readonly run: () => unknown;
@@ -85,7 +85,6 @@ export function commandsNow(): readonly Command[] {
           {
             what: `Merge ${active.name} into ${name}`,
             group: 'Labels',
-            shown: '',
             also: 'combine join unite labels',
             run: () => actions.labels.mergeLabel(active.id, id),
           },
@@ -94,7 +93,6 @@ export function commandsNow(): readonly Command[] {
   const labels = listed.peek().map(({ id, name }) => ({
     what: `Choose ${name}`,
     group: 'Labels',
-    shown: '',
     run: () => actions.labels.selectLabel(id),
   }));
   const open = state.sequence.peek()?.id;
@@ -103,7 +101,6 @@ export function commandsNow(): readonly Command[] {
     .map(({ id, name }) => ({
       what: `Open ${name}`,
       group: 'Recordings',
-      shown: '',
       run: () => actions.recordings.openSequence(id),
     }));
   return [...table, ...labels, ...recordings, ...merges];
@@ -124,7 +121,7 @@ export function found<T extends Omit<Command, 'run'>>(
   const words = queryWords
     .filter((word) => queryWords.length === 1 || !SMALL.has(word))
     .map(singular);
-  const rank = ({ what, group, shown, also = '' }: T): number => {
+  const rank = ({ what, group, shown = '', also = '' }: T): number => {
     const text = `${what} ${group} ${shown}`.toLowerCase();
     let sum = 0;
     for (const word of words) {
@@ -166,7 +163,5 @@ export function frameCommand(query: string): readonly Command[] {
   const frames = state.sequence.peek()?.frames ?? 0;
   const frame = /^\d+$/.test(query.trim()) ? Number(query) : -1;
   if (frame < 0 || frame >= frames) return [];
-  return [
-    { what: `Go to frame ${frame}`, group: 'Time', shown: '', run: () => actions.time.seek(frame) },
-  ];
+  return [{ what: `Go to frame ${frame}`, group: 'Time', run: () => actions.time.seek(frame) }];
 }

@@ -34,9 +34,7 @@ import { NOTE } from '../work/parts';
 import { accept, judged, nextReview, nextTask } from '../work/queue';
 import { reviewFrame, stepFindings } from '../work/review';
 import { openWork } from '../work/store';
-import { key, KEYS, type KeyBinding } from './keys';
-
-type Group = KeyBinding['group'];
+import { inGroup, key, KEYS, UNLISTED, type KeyBinding, type Ungrouped } from './keys';
 
 const inRecording = (): boolean => state.sequence.peek() !== null;
 const edits = (): boolean => inRecording() && canEdit.peek();
@@ -45,14 +43,6 @@ const hasLabel = (): boolean => edits() && activeLabel.peek() !== null;
 const reviews = (): boolean => inRecording() && canReview.peek();
 const judges = (): boolean => inRecording() && judged.peek() !== null;
 
-const WORK = [
-  ['tasks', 'Tasks of the project'],
-  ['findings', 'Suspicious places'],
-  ['frames', 'States and notes of frames'],
-  ['agreement', 'Agreement of annotators: compare, majority, ground truth'],
-  ['versions', 'Versions of the labels'],
-] as const;
-
 /** Open the form for the note of the task to review. */
 function writeNote(): void {
   openWork('tasks');
@@ -60,135 +50,117 @@ function writeNote(): void {
 }
 
 /** A command that has no shortcut. */
-function plain(
-  group: Group,
-  what: string,
-  run: () => unknown,
-  when: () => boolean = inRecording,
-): KeyBinding {
-  return key([], '', group, what, run, { when });
+function plain(what: string, run: () => unknown, when: () => boolean = inRecording): Ungrouped {
+  return key([], what, run, { when });
 }
 
-function tool(name: Tool, what: string): KeyBinding {
-  return plain('Tools', what, () => actions.tools.setTool(name), edits);
+function tool(name: Tool, what: string): Ungrouped {
+  return plain(what, () => tools.setTool(name), edits);
 }
 
-function outline(kind: OutlineKind, what: string): KeyBinding {
-  return plain(
-    'Tools',
-    what,
-    () => {
-      actions.tools.setShape('lasso');
-      outlineKind.value = kind;
-    },
-    edits,
-  );
+function outline(kind: OutlineKind, what: string): Ungrouped {
+  const choose = (): void => {
+    tools.setShape('lasso');
+    outlineKind.value = kind;
+  };
+  return plain(what, choose, edits);
 }
 
 type Switches<T> = { [K in keyof T]: T[K] extends boolean ? K : never }[keyof T];
 
-function brushSwitch(name: Switches<BrushSettings>, what: string): KeyBinding {
+function brushSwitch(name: Switches<BrushSettings>, what: string): Ungrouped {
+  const turn = (): void => patch(state.brush, { [name]: !state.brush.peek()[name] });
+  return plain(`${what}: on or off`, turn, edits);
+}
+
+function viewSwitch(name: Switches<ViewSettings>, what: string): Ungrouped {
+  return plain(`${what}: show or hide`, () => view.setView({ [name]: !state.view.peek()[name] }));
+}
+
+function from(preset: ViewPreset, what: string): Ungrouped {
+  return plain(what, () => view.viewFrom(preset));
+}
+
+function colour(color: ColorMode, what: string, field = ''): Ungrouped {
   return plain(
-    'Tools',
-    `${what}: on or off`,
-    () => patch(state.brush, { [name]: !state.brush.peek()[name] }),
-    edits,
-  );
-}
-
-function viewSwitch(name: Switches<ViewSettings>, what: string): KeyBinding {
-  return plain('View', `${what}: show or hide`, () =>
-    actions.view.setView({ [name]: !state.view.peek()[name] }),
-  );
-}
-
-function from(preset: ViewPreset, what: string): KeyBinding {
-  return plain('View', what, () => actions.view.viewFrom(preset));
-}
-
-function colour(color: ColorMode, what: string, field = ''): KeyBinding {
-  return plain(
-    'View',
     `Colour points by ${what}`,
-    () => actions.view.setView({ color }),
+    () => view.setView({ color }),
     () => inRecording() && (!field || (state.sequence.peek()?.fields ?? []).includes(field)),
   );
 }
 
-function label(what: string, run: (id: number) => unknown): KeyBinding {
-  return plain('Labels', what, () => run(state.activeLabel.peek()), hasLabel);
+function label(what: string, run: (id: number) => unknown): Ungrouped {
+  return plain(what, () => run(state.activeLabel.peek()), hasLabel);
 }
 
-const MORE: readonly KeyBinding[] = [
-  {
-    keys: ['ctrl+k'],
-    shown: 'Ctrl K',
-    group: 'Edit',
-    what: 'All commands',
-    listed: false,
-    run: () => (commandsOpen.value = true),
-  },
-  {
-    keys: ['?'],
-    shown: '?',
-    group: 'View',
-    what: 'Keyboard and mouse',
-    when: () => true,
-    run: () => (helpOpen.value = true),
-  },
-  plain('View', 'First steps: a tour of five cards', beginTour),
-  plain(
-    'View',
-    'Light or dark theme',
-    () => chooseTheme(theme.peek() === 'light' ? 'dark' : 'light'),
-    () => true,
-  ),
-  key('z', 'Z', 'Work', 'Next suspicious place', () => stepFindings(1)),
-  key('shift+z', 'Shift Z', 'Work', 'Previous suspicious place', () => stepFindings(-1)),
-  key('shift+y', 'Shift Y', 'Work', 'Confirm the doubtful labels of this frame', () => {
-    if (canReview.peek()) void actions.tracking.acceptFrame();
+const { labels, recordings, time, tools, tracking, view } = actions;
+
+const WORK = [
+  key('z', 'Next suspicious place', () => stepFindings(1)),
+  key('shift+z', 'Previous suspicious place', () => stepFindings(-1)),
+  key('shift+y', 'Confirm the doubtful labels of this frame', () => {
+    if (canReview.peek()) void tracking.acceptFrame();
   }),
-  key('ctrl+enter', 'Ctrl Enter', 'Work', 'Mark this frame as checked', () =>
-    reviewFrame('accepted'),
+  key('ctrl+enter', 'Mark this frame as checked', () => reviewFrame('accepted')),
+  key('ctrl+backspace', 'Mark this frame as to be corrected', () => reviewFrame('rejected')),
+  key('shift+n', 'Hand in my task and open the next', () => nextTask()),
+  plain('Review the next task', nextReview, reviews),
+  plain('Accept the task', () => accept(judged.peek()!), judges),
+  plain('Return the task with a note…', writeNote, judges),
+  plain('Tasks of the project', () => openWork('tasks')),
+  plain('Suspicious places', () => openWork('findings')),
+  plain('States and notes of frames', () => openWork('frames')),
+  plain(
+    'Agreement of annotators: compare, majority, ground truth',
+    () => openWork('agreement'),
+    reviews,
   ),
-  key('ctrl+backspace', 'Ctrl Backspace', 'Work', 'Mark this frame as to be corrected', () =>
-    reviewFrame('rejected'),
-  ),
-  key('shift+n', 'Shift N', 'Work', 'Hand in my task and open the next', () => nextTask()),
-  plain('Work', 'Review the next task', nextReview, reviews),
-  plain('Work', 'Accept the task', () => accept(judged.peek()!), judges),
-  plain('Work', 'Return the task with a note…', writeNote, judges),
-  ...WORK.map(([tab, what]) =>
-    plain('Work', what, () => openWork(tab), tab === 'agreement' ? reviews : inRecording),
-  ),
-  key('u', 'U', 'Time', 'Next frame without labels', () => actions.time.nextUnlabelled(1)),
-  key('shift+u', 'Shift U', 'Time', 'Previous frame without labels', () =>
-    actions.time.nextUnlabelled(-1),
-  ),
-  key('shift+i', 'Shift I', 'Time', 'In point: the loop begins here', () => actions.time.setIn()),
-  key('shift+o', 'Shift O', 'Time', 'Out point: the loop ends here', () => actions.time.setOut()),
-  plain('Time', 'Clear in and out points', () => (frameRange.value = null)),
+  plain('Versions of the labels', () => openWork('versions')),
+];
+
+const TIME = [
+  key('u', 'Next frame without labels', () => time.nextUnlabelled(1)),
+  key('shift+u', 'Previous frame without labels', () => time.nextUnlabelled(-1)),
+  key('shift+i', 'In point: the loop begins here', () => time.setIn()),
+  key('shift+o', 'Out point: the loop ends here', () => time.setOut()),
+  plain('Clear in and out points', () => (frameRange.value = null)),
   ...[0.1, 0.25, 0.5, 1, 2, 4].map((speed) =>
-    plain('Time', `Play at ${speed}×`, () => actions.time.setSpeed(speed)),
+    plain(`Play at ${speed}×`, () => time.setSpeed(speed)),
   ),
+];
+
+const TOOLS = [
   tool('paint', 'Paint with the last shape'),
   outline('polygon', 'Polygon: click the corners of an outline'),
   outline('rectangle', 'Rectangle: drag an outline from corner to corner'),
   tool('floor', 'Set the floor'),
-  plain('Tools', 'Reset the floor to the import', () => actions.view.resetFloor(), edits),
+  plain('Reset the floor to the import', () => view.resetFloor(), edits),
   brushSwitch('onlyUnlabeled', 'Only unlabeled points'),
   brushSwitch('through', 'Points behind the first surface'),
   brushSwitch('takeLabelled', 'Take objects from other labels'),
   brushSwitch('complete', 'Offer objects after a stroke'),
   brushSwitch('follow', 'Follow painted labels'),
+];
+
+const LABELS = [
   label('Rename the label', (id) => (renaming.value = id)),
-  label('Hide or show the label', (id) => actions.labels.toggleVisible(id)),
-  label('Lock or unlock the label', (id) => actions.labels.toggleLock(id)),
-  label('Show only the label, or all', (id) => actions.labels.solo(id)),
-  label('Split the label into parts', (id) => actions.labels.splitLabel(id)),
-  label('Delete the label', (id) => actions.labels.deleteLabel(id)),
-  plain('Labels', 'Add the labels of a palette file…', () => actions.labels.pickPalette(), edits),
-  plain('Labels', 'Save the palette as a file', () => actions.labels.savePalette()),
+  label('Hide or show the label', (id) => labels.toggleVisible(id)),
+  label('Lock or unlock the label', (id) => labels.toggleLock(id)),
+  label('Show only the label, or all', (id) => labels.solo(id)),
+  label('Split the label into parts', (id) => labels.splitLabel(id)),
+  label('Delete the label', (id) => labels.deleteLabel(id)),
+  plain('Add the labels of a palette file…', () => labels.pickPalette(), edits),
+  plain('Save the palette as a file', () => labels.savePalette()),
+];
+
+const VIEW = [
+  key('?', 'Keyboard and mouse', () => (helpOpen.value = true), { when: () => true }),
+  plain('First steps: a tour of five cards', beginTour),
+  plain(
+    'Light or dark theme',
+    () => chooseTheme(theme.peek() === 'light' ? 'dark' : 'light'),
+    () => true,
+  ),
   viewSwitch('hideUnlabeled', 'Only labeled points'),
   viewSwitch('boxes', 'Boxes'),
   viewSwitch('trails', 'Trails'),
@@ -203,44 +175,57 @@ const MORE: readonly KeyBinding[] = [
   colour('normal', 'surface direction'),
   colour('plain', 'one colour'),
   colour('provenance', 'how they were labelled'),
-  plain('View', 'Neighbouring frames: overlay or not', () =>
+  plain('Neighbouring frames: overlay or not', () =>
     patch(accumulation, { on: !accumulation.peek().on }),
   ),
-  plain('View', 'Clip box follows the active object: on or off', () => {
+  plain('Clip box follows the active object: on or off', () => {
     const now = clip.peek();
     if (now) clip.value = { ...now, follows: !now.follows };
   }),
-  plain('View', 'Clip to a level slab', () => actions.view.clipTo(1)),
-  plain('View', 'Clip to a slab across the view', () => actions.view.clipTo(2)),
-  plain('View', 'Clip to a slab along the view', () => actions.view.clipTo(0)),
+  plain('Clip to a level slab', () => view.clipTo(1)),
+  plain('Clip to a slab across the view', () => view.clipTo(2)),
+  plain('Clip to a slab along the view', () => view.clipTo(0)),
   from('front', 'Look from the front'),
   from('left', 'Look from the left'),
   from('right', 'Look from the right'),
   from('fit', 'Show everything'),
   plain(
-    'Edit',
-    'Track labels…',
-    () => (trackOpen.value = true),
-    () => edits() && trackingJob.peek() === null,
-  ),
-  plain('Edit', 'Label by example: show or hide the prediction', () => toggleExample()),
-  plain('Edit', 'Track on from this frame', () => actions.tracking.continueRun(), edits),
-  plain('Edit', 'History of edits', () => (historyOpen.value = true)),
-  plain('Recordings', 'Export points and labels…', () => (exportOpen.value = true)),
-  plain('Recordings', 'All recordings', () => actions.recordings.closeSequence()),
-  plain('Recordings', 'Sign out', signOut, () => state.me.peek() !== null),
-  plain(
-    'Recordings',
-    'Import files…',
-    () => pickFiles(),
-    () => canManage.peek(),
-  ),
-  plain(
-    'View',
     'Enter VR',
     () => actions.page.enterVR(),
     () => inRecording() && state.xr.peek().supported === true,
   ),
 ];
 
-export const COMMANDS: readonly KeyBinding[] = [...KEYS, ...MORE];
+const EDIT = [
+  key('ctrl+k', 'All commands', () => (commandsOpen.value = true), UNLISTED),
+  plain(
+    'Track labels…',
+    () => (trackOpen.value = true),
+    () => edits() && trackingJob.peek() === null,
+  ),
+  plain('Label by example: show or hide the prediction', () => toggleExample()),
+  plain('Track on from this frame', () => tracking.continueRun(), edits),
+  plain('History of edits', () => (historyOpen.value = true)),
+];
+
+const RECORDINGS = [
+  plain('Export points and labels…', () => (exportOpen.value = true)),
+  plain('All recordings', () => recordings.closeSequence()),
+  plain('Sign out', signOut, () => state.me.peek() !== null),
+  plain(
+    'Import files…',
+    () => pickFiles(),
+    () => canManage.peek(),
+  ),
+];
+
+export const COMMANDS: readonly KeyBinding[] = [
+  ...KEYS,
+  ...inGroup('Work', WORK),
+  ...inGroup('Time', TIME),
+  ...inGroup('Tools', TOOLS),
+  ...inGroup('Labels', LABELS),
+  ...inGroup('View', VIEW),
+  ...inGroup('Edit', EDIT),
+  ...inGroup('Recordings', RECORDINGS),
+];

@@ -51,7 +51,7 @@ export function keysOf(binding: KeyBinding): readonly string[] {
 /** The same in print; empty when it has none. */
 export function shownOf(binding: KeyBinding): string {
   const keys = keysOf(binding);
-  if (keys.length === binding.keys.length && keys[0] === binding.keys[0]) return binding.shown;
+  if (binding.shown && keys.length === binding.keys.length) return binding.shown;
   return keys[0] === undefined ? '' : printed(keys[0]);
 }
 
@@ -61,6 +61,10 @@ export const keyTable: ReadonlySignal<ReadonlyMap<string, KeyBinding>> = compute
 );
 
 follow(() => {
-  const changed = COMMANDS.filter((each) => each.shown && shownOf(each) !== each.shown);
-  renamedKeys.value = new Map(changed.map((each) => [each.shown, shownOf(each)]));
+  const renamed = new Map<string, string>();
+  for (const each of COMMANDS) {
+    const first = each.shown ?? printed(each.keys[0] ?? '');
+    if (first !== shownOf(each)) renamed.set(first, shownOf(each));
+  }
+  renamedKeys.value = renamed;
 });
