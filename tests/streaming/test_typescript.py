@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -31,6 +32,18 @@ def test_types_are_as_strict_as_typescript_can_say() -> None:
     assert "  data: Uint8Array;" in text
     assert "  counts: Record<string, number>;" in text
     assert "  hands?: ([number, number, number, number, number, number, number] | null)[];" in text
+
+
+def test_values_are_those_that_the_page_imports_and_the_ones_inside_them(tmp_path: Path) -> None:
+    module = tmp_path / "people" / "boxes.tsx"
+    module.parent.mkdir()
+    module.write_text(
+        "import type { Found } from './found';\n"
+        "import type {\n  BoxPose as Pose,\n  Boxes,\n} from '../protocol/values';\n"
+    )
+    assert typescript.imported(tmp_path) == {"BoxPose", "Boxes"}
+    interfaces = re.findall(r"export interface (\w+)", typescript.values({"Boxes"}))
+    assert interfaces == ["Box", "BoxPose", "Boxes"]
 
 
 def test_a_schema_that_typescript_cannot_say_is_refused() -> None:

@@ -21,8 +21,6 @@ from pointbrush.client.answers import (
     rays,
     read,
 )
-from pointbrush.client.steps import L, Part, Request, Steps, send, steps
-from pointbrush.client.answers import Annotation, array_of, layer_of, npy_of, rays, read
 from pointbrush.client.steps import L, Part, Steps, steps
 from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera

@@ -7,7 +7,9 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
+from collections.abc import Set
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from pointbrush.values.classes import value_classes
 TARGET = Path(__file__).parents[3] / "webxr_client" / "src" / "protocol"
 WRITE = "python -m pointbrush.streaming.typescript --write"
 LONGEST_TUPLE = 8
+IMPORT = re.compile(r"import type \{([^}]*)\} from '[^']*/values'")
 SCALARS = {"integer": "number", "number": "number", "boolean": "boolean", "null": "null"}
 
 Schema = dict[str, Any]
@@ -28,19 +31,40 @@ Schema = dict[str, Any]
 
 def generate() -> dict[str, str]:
     """Return the TypeScript modules by name, each ending in a newline."""
-    return {"messages.ts": messages(), "values.ts": values()}
+    return {"messages.ts": messages(), "values.ts": values(imported())}
 
 
-def values() -> str:
-    """Return an interface for each value of REST; optional fields of bodies may be left out."""
+def imported(sources: Path = TARGET.parent) -> set[str]:
+    """Return the names of values that the page's modules import."""
+    found: set[str] = set()
+    for file in sources.rglob("*.ts*"):
+        for names in IMPORT.findall(file.read_text(encoding="utf-8")):
+            found.update(name.split()[0] for name in names.split(",") if name.strip())
+    return found
+
+
+def values(names: Set[str]) -> str:
+    """Return interfaces of REST's values with these names, and of the values inside them.
+
+    Optional fields of bodies may be left out.
+    """
+    schemas = {
+        kind: TypeAdapter(kind).json_schema(mode="serialization") for kind in value_classes()
+    }
+    inside = {
+        name
+        for kind, schema in schemas.items()
+        if kind.__name__ in names
+        for name in schema.get("$defs", ())
+    }
     parts = [
         f"// Generated from values/ of server/pointbrush by\n// `{WRITE}`.\n"
         "// Do not edit: a stale file fails the tests.\n"
     ]
-    for kind in value_classes():
-        schema = TypeAdapter(kind).json_schema(mode="serialization")
-        complete = not issubclass(kind, Body)
-        parts.append(interface(kind.__name__, schema, complete=complete, fixed=True))
+    for kind, schema in schemas.items():
+        if kind.__name__ in names | inside:
+            complete = not issubclass(kind, Body)
+            parts.append(interface(kind.__name__, schema, complete=complete, fixed=True))
     return "\n".join(parts)
 
 

@@ -2,14 +2,6 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-/** Labels of a frame that a person accepts. */
-export interface Acceptance {
-  /** Ids of the labels. */
-  readonly labels: readonly number[];
-  /** UUID of the edit, which is applied once. */
-  readonly id?: string | null;
-}
-
 /** An account with its tokens. */
 export interface Account {
   /** Name of the account. */
@@ -38,18 +30,6 @@ export interface Agreement {
   readonly frames: readonly FrameAgreement[];
   /** Agreement of boxes, only on request. */
   readonly boxes: BoxAgreement | null;
-}
-
-/** A classifier to apply to a recording. */
-export interface Application {
-  /** Id of the classifier. */
-  readonly classifier?: string;
-  /** Frames ``I:J``; empty: all frames. */
-  readonly frames?: string;
-  /** Minimum confidence of points to label, 0 to 1; null: as measured in held-out places. */
-  readonly above?: number | null;
-  /** UUID of the job and of its edit: a repeated call does not begin another job. */
-  readonly id?: string | null;
 }
 
 /** Axis-aligned bounds over all frames, source coordinates. */
@@ -108,22 +88,6 @@ export interface BoxEdit {
   readonly revision: number;
 }
 
-/** Fields of a box: one size, and a pose in each of its frames. */
-export interface BoxFields {
-  /** Id of the label. */
-  readonly label: number;
-  /** Length, width and height along the box's x, y and z, metres. */
-  readonly size: readonly [number, number, number];
-  /** Pose in each frame, by the frame's number. */
-  readonly poses: Readonly<Record<string, BoxPose>>;
-  /** Attributes of the box in all frames, by name. */
-  readonly attributes: Readonly<Record<string, string | number | boolean>>;
-  /** Origin of the box. `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
-  readonly provenance: 'fitted' | 'drawn' | 'imported';
-  /** False: the front of the object may also be at the opposite end of the box. */
-  readonly heading_known: boolean;
-}
-
 /** Labels to fit boxes to. */
 export interface BoxFit {
   /** Ids of labels; null: all labels. */
@@ -136,34 +100,6 @@ export interface BoxFit {
   readonly redraw?: boolean;
   /** UUID of the job and of its edit: a repeated call does not begin another job. */
   readonly id?: string | null;
-}
-
-/** Changes of a box; missing fields do not change it. */
-export interface BoxPatch {
-  /** Id of its new label. */
-  readonly label?: number | null;
-  /** New length, width and height, metres. */
-  readonly size?: readonly [number, number, number] | null;
-  /** Changes of poses by frame; null removes one, others do not change. */
-  readonly poses?: Readonly<Record<string, PosePatch | null>>;
-  /** Attributes by name; null removes one, others do not change. */
-  readonly attributes?: Readonly<Record<string, string | number | boolean | null>>;
-  /** New origin of the box.  `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
-  readonly provenance?: 'fitted' | 'drawn' | 'imported' | null;
-  /** False: the front of the object may also be at the opposite end of the box. */
-  readonly heading_known?: boolean | null;
-  /** UUID of the edit, which is applied once. */
-  readonly edit?: string | null;
-}
-
-/** Frames in which to label the points inside a box. */
-export interface BoxPoints {
-  /** Frames ``I:J``; null: all frames with a pose of the box. */
-  readonly frames?: string | null;
-  /** Points with another label keep it. */
-  readonly only_unlabeled?: boolean;
-  /** UUID of the edit, which is applied once. */
-  readonly edit?: string | null;
 }
 
 /** Pose of a box in one frame. */
@@ -192,14 +128,6 @@ export interface BoxScore {
   readonly recall: number;
 }
 
-/** The boxes of a recording. */
-export interface Boxes {
-  /** Boxes by id, with all their poses. */
-  readonly boxes: readonly Box[];
-  /** Revision of the recording. */
-  readonly revision: number;
-}
-
 /** A camera with a picture; a point p in source coordinates is at ``K (T_camera_frame p)``. */
 export interface Camera {
   /** Name of the camera in URLs. */
@@ -216,30 +144,6 @@ export interface Camera {
   readonly model: string;
   /** Transform (4, 4) to the camera: x right, y down, z forward; null: unknown. */
   readonly T_camera_frame: readonly (readonly number[])[] | null;
-}
-
-/** Points that a click may select. */
-export interface Candidate {
-  /** Id for the ``candidate`` of a stroke of shape ``object``. */
-  readonly id: string;
-  /** Size of the part: 0 the smallest. */
-  readonly level: number;
-  /** Estimated quality as an object, 0 to 1. */
-  readonly score: number;
-  /** Number of its points. */
-  readonly points: number;
-  /** Runs of its points in source order: first number and length. */
-  readonly runs: readonly (readonly [number, number])[];
-}
-
-/** At most six candidates, from part to group. */
-export interface Candidates {
-  /** The candidates, the smallest part first. */
-  readonly candidates: readonly Candidate[];
-  /** Index of the one to show first. */
-  readonly first: number;
-  /** The whole frame is prepared; else candidates come from points near the clicks. */
-  readonly ready: boolean;
 }
 
 /** A class of the workspace; its number is the same in every export and never changes. */
@@ -358,16 +262,6 @@ export interface Classifier {
   readonly start_from: readonly string[];
 }
 
-/** Labels to remove from their points. */
-export interface Clearing {
-  /** Ids of the labels. */
-  readonly labels: readonly number[];
-  /** Last frame of the range, included; null: only this frame. */
-  readonly stop?: number | null;
-  /** UUID of the edit, which is applied once. */
-  readonly id?: string | null;
-}
-
 /** Agreement of two copies of a recording. */
 export interface CopyAgreement {
   /** Id of the first copy. */
@@ -378,52 +272,6 @@ export interface CopyAgreement {
   readonly agreement: Agreement;
   /** Places where they differ, the largest first. */
   readonly places: readonly Disagreement[];
-}
-
-/** Labels to write from copies into their recording. */
-export interface CopyMerge {
-  /** Id of the recording. */
-  readonly sequence: string;
-  /** Id of a copy, or ``majority`` of at least three people. */
-  readonly take?: string;
-  /** Points to merge; null: all points of submitted frames. */
-  readonly region?: Region | null;
-  /** UUID of the edit, which is applied once. */
-  readonly id?: string | null;
-}
-
-/** Labels to copy from another frame. */
-export interface Copying {
-  /** Ids of the labels. */
-  readonly labels: readonly number[];
-  /** Number of the frame that has the labels. */
-  readonly source: number;
-  /** UUID of the edit, which is applied once. */
-  readonly id?: string | null;
-}
-
-/** A line of the review's history; null: not set by the decision. */
-export interface Decision {
-  /** First frame; null: the label as a whole. */
-  readonly first: number | null;
-  /** Last frame, included. */
-  readonly last: number | null;
-  /** Id of the label; null: the frames themselves. */
-  readonly label: number | null;
-  /** State that was set.  `open`: not reviewed; `review`: waits for a reviewer; `accepted`: accepted by a reviewer; `rejected`: rejected by a reviewer */
-  readonly state: 'open' | 'review' | 'accepted' | 'rejected' | null;
-  /** Note that was set; empty: removed. */
-  readonly note: string | null;
-  /** Position of the note, source coordinates, metres. */
-  readonly place: readonly [number, number, number] | null;
-  /** Account that the frames were assigned to; empty: not assigned. */
-  readonly assignee: string | null;
-  /** Name of the person who decided. */
-  readonly by: string;
-  /** Time of the decision. */
-  readonly at: string;
-  /** Revision of the recording that was reviewed. */
-  readonly revision: number;
 }
 
 /** An event and its delivery. */
@@ -472,48 +320,6 @@ export interface Disagreement {
   readonly place: readonly [number, number, number] | null;
 }
 
-/** Rule that divides a label's points in a frame into parts. */
-export interface Division {
-  /** Number of the frame. */
-  readonly frame: number;
-  /** Metres between parts; null: more than the spacing of the points. */
-  readonly gap?: number | null;
-  /** Least points of a part; smaller parts stay with the label. */
-  readonly least?: number;
-}
-
-/** An answer to a doubt. */
-export interface DoubtAnswer {
-  /** Id of the classifier. */
-  readonly classifier: string;
-  /** The place that was asked about. */
-  readonly place: DoubtPlace;
-  /** Id of the label to paint; null: none of the classes, or skipped. */
-  readonly class?: number | null;
-  /** Ask no more about the place, but predict it. */
-  readonly skip?: boolean;
-}
-
-/** A place as ``GET …/doubt`` lists it. */
-export interface DoubtPlace {
-  /** Number of the frame. */
-  readonly frame: number;
-  /** Point on a surface, source coordinates, metres. */
-  readonly centre: readonly [number, number, number];
-  /** Radius of the place, metres. */
-  readonly radius: number;
-}
-
-/** Result of an edit, which is durable. */
-export interface Edit {
-  /** UUID of the edit. */
-  readonly edit: string;
-  /** Number of points with a new label, provenance or deletion. */
-  readonly changed: number;
-  /** Revision of the recording after the edit. */
-  readonly revision: number;
-}
-
 /** A file or folder in a folder on the server. */
 export interface Entry {
   /** Name of the entry. */
@@ -522,20 +328,6 @@ export interface Entry {
   readonly path: string;
   /** Size of the file, or of all files in the folder. */
   readonly bytes: number;
-}
-
-/** Edits and tracking doubts after a revision, and jobs. */
-export interface Events {
-  /** Revision of the last edit: the next call's ``after``. */
-  readonly revision: number;
-  /** Digest of the jobs: the next call's ``jobs_seen``. */
-  readonly jobs_seen: string;
-  /** Edits after the revision, the oldest first. */
-  readonly edits: readonly PastEdit[];
-  /** Doubtful tracks in frames that these edits changed. */
-  readonly doubts: readonly Track[];
-  /** Jobs of the recording, the newest first; empty if none has changed. */
-  readonly jobs: readonly Job[];
 }
 
 /** An export format. */
@@ -588,20 +380,6 @@ export interface FittedBoxes {
   readonly skipped: Readonly<Record<string, string>>;
 }
 
-/** A folder on the server; each file or folder in it is a recording. */
-export interface FolderImport {
-  /** Path of the folder, below one of the allowed folders. */
-  readonly path: string;
-  /** Frames per second of playback; null: as found in the files. */
-  readonly fps?: number | null;
-}
-
-/** A folder on the server. */
-export interface FolderRequest {
-  /** Path of the folder, below one of the allowed folders. */
-  readonly path: string;
-}
-
 /** Agreement in a frame. */
 export interface FrameAgreement {
   /** Number of the frame. */
@@ -628,152 +406,12 @@ export interface FrameDifference {
   readonly objects_went: readonly number[];
 }
 
-/** Values to set; missing fields and null do not change. */
-export interface FrameReviewPatch {
-  /** New state; accepting and rejecting need the role reviewer.  `open`: not reviewed; `review`: waits for a reviewer; `accepted`: accepted by a reviewer; `rejected`: rejected by a reviewer */
-  readonly state?: 'open' | 'review' | 'accepted' | 'rejected' | null;
-  /** New note; empty: removes the note. */
-  readonly note?: string | null;
-  /** Position that the note is pinned to, source coordinates, metres. */
-  readonly place?: readonly [number, number, number] | null;
-  /** Account that the frames are assigned to; empty: not assigned. */
-  readonly assignee?: string | null;
-  /** Id of a label to review instead of the frames themselves. */
-  readonly label?: number | null;
-}
-
-/** A check that can begin. */
-export interface HeadsetCheck {
-  /** Id of the recording to try the controls in, which no list contains. */
-  readonly sequence: string;
-}
-
-/** The server is up. */
-export interface Health {
-  /** State of the server. `ok`: the server answers */
-  readonly status: 'ok';
-  /** Version of the server. */
-  readonly version: string;
-}
-
 /** Accuracy of a class in places that the training did not see. */
 export interface HeldOut {
   /** Expected share of correct points, 0 to 1; null: too few places. */
   readonly accuracy: number | null;
   /** Number of its painted places. */
   readonly places: number;
-}
-
-/** Corrections by a person to an import's files; null: as found in the files. */
-export interface ImportOptions {
-  /** Name of the recording; null: of the file or folder. */
-  readonly name?: string | null;
-  /** Frames per second of playback, at most 1000. */
-  readonly fps?: number | null;
-  /** Format of the files, such as ``ply``; null: detected. */
-  readonly format?: string | null;
-  /** Meaning of each column of text files, ``-`` to skip one; also one text with commas. */
-  readonly columns?: readonly string[] | null;
-  /** Separator of the columns: a name such as ``semicolon``, or one character. */
-  readonly delimiter?: string | null;
-  /** Numbers in text files have a decimal comma. */
-  readonly decimal_comma?: boolean | null;
-  /** Metres per unit of the coordinates. */
-  readonly scale?: number | null;
-  /** Axis of the coordinates that points up, such as ``z`` or ``-y``. */
-  readonly up?: string | null;
-  /** Topic of a bag to read. */
-  readonly topic?: string | null;
-  /** ``auto``, ``none``, or the path of a file of poses. */
-  readonly poses?: string | null;
-  /** Match files beside the frames by their order instead of their names. */
-  readonly by_order?: boolean;
-  /** Leave out points without finite coordinates instead of refusing the files. */
-  readonly drop_invalid?: boolean;
-  /** Id of the project that the recording joins. */
-  readonly project?: string;
-  /** UUID of the job: a repeated call does not begin another job. */
-  readonly id?: string | null;
-}
-
-/** Preview of an import with its uploaded files. */
-export interface ImportPreview {
-  /** Name that the recording would get. */
-  readonly name: string;
-  /** Format of the files. */
-  readonly format: string;
-  /** Format that people see. */
-  readonly title: string;
-  /** Number of frames; null: unknown before the whole is read. */
-  readonly frames: number | null;
-  /** Frames per second of playback. */
-  readonly fps: number;
-  /** Source of ``fps``. */
-  readonly fps_from: string;
-  /** Rule that orders the frames. */
-  readonly order: string;
-  /** Frame of each file: ``file`` and ``frame``, the first hundred. */
-  readonly files: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``points`` and points ``left_out`` of the first frames. */
-  readonly points: readonly (Readonly<Record<string, number>>)[];
-  /** ``name`` and ``meaning`` of each column. */
-  readonly columns: readonly (Readonly<Record<string, string>>)[];
-  /** ``name``, ``type`` and number of ``messages`` of each topic of a bag. */
-  readonly topics: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``name`` of each camera with pictures. */
-  readonly cameras: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``source`` of the poses, and whether frames ``agree`` by them; null: none. */
-  readonly poses: Readonly<Record<string, unknown>> | null;
-  /** ``name`` of the unit, its ``scale`` in metres, and the ``extent`` of the points. */
-  readonly units: Readonly<Record<string, unknown>>;
-  /** Axis that points up. */
-  readonly up: string;
-  /** Source of ``up``. */
-  readonly up_from: string;
-  /** The files contain labels. */
-  readonly labels: boolean;
-  /** Corrections of the request that take effect. */
-  readonly corrections: Readonly<Record<string, unknown>>;
-  /** Sentences about doubtful content. */
-  readonly warnings: readonly string[];
-  /** Id of the uploaded files, which are kept for an hour; null: files of the server. */
-  readonly upload: string | null;
-}
-
-/** Files to import that the server can already read. */
-export interface ImportRequest {
-  /** Name of the recording; null: of the file or folder. */
-  readonly name?: string | null;
-  /** Frames per second of playback, at most 1000. */
-  readonly fps?: number | null;
-  /** Format of the files, such as ``ply``; null: detected. */
-  readonly format?: string | null;
-  /** Meaning of each column of text files, ``-`` to skip one; also one text with commas. */
-  readonly columns?: readonly string[] | null;
-  /** Separator of the columns: a name such as ``semicolon``, or one character. */
-  readonly delimiter?: string | null;
-  /** Numbers in text files have a decimal comma. */
-  readonly decimal_comma?: boolean | null;
-  /** Metres per unit of the coordinates. */
-  readonly scale?: number | null;
-  /** Axis of the coordinates that points up, such as ``z`` or ``-y``. */
-  readonly up?: string | null;
-  /** Topic of a bag to read. */
-  readonly topic?: string | null;
-  /** ``auto``, ``none``, or the path of a file of poses. */
-  readonly poses?: string | null;
-  /** Match files beside the frames by their order instead of their names. */
-  readonly by_order?: boolean;
-  /** Leave out points without finite coordinates instead of refusing the files. */
-  readonly drop_invalid?: boolean;
-  /** Id of the project that the recording joins. */
-  readonly project?: string;
-  /** UUID of the job: a repeated call does not begin another job. */
-  readonly id?: string | null;
-  /** Path on the server, below one of its allowed folders; or ``upload``. */
-  readonly path?: string | null;
-  /** Id of files that were uploaded for a preview; or ``path``. */
-  readonly upload?: string | null;
 }
 
 /** State and progress of a job. */
@@ -798,24 +436,6 @@ export interface Job {
   readonly owner: string | null;
 }
 
-/** An entry of the palette. */
-export interface Label {
-  /** 1 to 65534; never given to another label of the recording. */
-  readonly id: number;
-  /** Text that people see, unique in the recording. */
-  readonly name: string;
-  /** Name of the label's class; empty: none. */
-  readonly category: string;
-  /** ``#rrggbb``. */
-  readonly color: string;
-  /** Edits change neither the label nor its points. */
-  readonly locked: boolean;
-  /** The page shows its points; edits skip hidden points. */
-  readonly visible: boolean;
-  /** Number of its points in all frames, without deleted ones; only lists of labels have it. */
-  readonly points: number | null;
-}
-
 /** Agreement on a label, by name. */
 export interface LabelAgreement {
   /** Name of the label or category. */
@@ -838,62 +458,6 @@ export interface LabelDifference {
   readonly name: string;
   /** Kind of difference. `came`: the label was added; `went`: the label was removed; `changed`: the label has another name, category or colour */
   readonly kind: 'came' | 'went' | 'changed';
-}
-
-/** Choices on how label files are read. */
-export interface LabelImportOptions {
-  /** Format of the label files; null: detected. */
-  readonly format?: string | null;
-  /** Names of classes as JSON, YAML, XML of point_labeler, or lines ``number name``. */
-  readonly map?: string | null;
-  /** Leave the ground inside boxes without the box's label. */
-  readonly no_ground?: boolean;
-  /** Match files to frames by their order instead of their names. */
-  readonly by_order?: boolean;
-  /** Accept files that label nothing. */
-  readonly allow_empty?: boolean;
-  /** Field of the points that holds the labels; null: detected. */
-  readonly field?: string | null;
-  /** ``keep`` boxes, label the ``points`` inside them, or ``both``. */
-  readonly boxes?: string;
-  /** UUID of the job: a repeated call does not begin another job. */
-  readonly id?: string | null;
-}
-
-/** Label files that the server can already read. */
-export interface LabelImportRequest {
-  /** Format of the label files; null: detected. */
-  readonly format?: string | null;
-  /** Names of classes as JSON, YAML, XML of point_labeler, or lines ``number name``. */
-  readonly map?: string | null;
-  /** Leave the ground inside boxes without the box's label. */
-  readonly no_ground?: boolean;
-  /** Match files to frames by their order instead of their names. */
-  readonly by_order?: boolean;
-  /** Accept files that label nothing. */
-  readonly allow_empty?: boolean;
-  /** Field of the points that holds the labels; null: detected. */
-  readonly field?: string | null;
-  /** ``keep`` boxes, label the ``points`` inside them, or ``both``. */
-  readonly boxes?: string;
-  /** UUID of the job: a repeated call does not begin another job. */
-  readonly id?: string | null;
-  /** Path on the server, below one of its allowed folders. */
-  readonly path: string;
-}
-
-/** Changes of a label; missing fields and null do not change it. */
-export interface LabelPatch {
-  /** New text that people see. */
-  readonly name?: string | null;
-  /** Name of its new class; empty: none. */
-  readonly category?: string | null;
-  /** New colour, ``#rrggbb``. */
-  readonly color?: string | null;
-  /** Refuse edits of the label and its points. */
-  readonly locked?: boolean | null;
-  /** Show its points on the page. */
-  readonly visible?: boolean | null;
 }
 
 /** Facts of a recording; a damaged one may have only its id. */
@@ -952,150 +516,12 @@ export interface Manifest {
   readonly until: string | null;
 }
 
-/** Result of masks that became labels. */
-export interface MaskEdit {
-  /** UUID of the edit. */
-  readonly edit: string;
-  /** Number of points with a new label, provenance or deletion. */
-  readonly changed: number;
-  /** Revision of the recording after the edit. */
-  readonly revision: number;
-  /** Number of points in the masks' values that have a label or class. */
-  readonly seen: number;
-  /** Number of points that stay as they are, because they are near a border of a mask or cameras disagree. */
-  readonly doubt: number;
-}
-
-/** The caller, and the messages that the server speaks. */
-export interface Me {
-  /** Name that edits show. */
-  readonly author: string;
-  /** Role in the workspace. `viewer`: sees recordings and labels; `annotator`: changes labels; `reviewer`: accepts and rejects labels; `manager`: manages recordings, projects and accounts; `admin`: manages the server */
-  readonly role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
-  /** Hash of the socket's messages, part of its subprotocol. */
-  readonly schema: string;
-  /** Version of the server. */
-  readonly version: string;
-}
-
-/** Labels to merge into another label. */
-export interface Merge {
-  /** Ids of the labels that are removed. */
-  readonly labels: readonly number[];
-}
-
-/** Classes to merge into another class. */
-export interface MergedCategories {
-  /** Numbers of the classes that are removed. */
-  readonly categories: readonly number[];
-}
-
-/** Additional recordings to learn from. */
-export interface MoreExamples {
-  /** Ids of the recordings; empty: learn again from the known ones. */
-  readonly recordings?: readonly string[];
-}
-
 /** Placement of a tracked label's points. */
 export interface Moving {
   /** Id of the label. */
   readonly label: number;
   /** Transform to the shown frame by the label's track, source coordinates. */
   readonly T_shown_frame: readonly number[];
-}
-
-/** A new account with its first token. */
-export interface NewAccount {
-  /** Days until it expires; null: never. */
-  readonly days?: number | null;
-  /** Role that its token gives. `viewer`: sees recordings and labels; `annotator`: changes labels; `reviewer`: accepts and rejects labels; `manager`: manages recordings, projects and accounts; `admin`: manages the server */
-  readonly role?: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
-  /** Name of the account, which edits show. */
-  readonly account: string;
-}
-
-/** A new box. */
-export interface NewBox {
-  /** Id of the label. */
-  readonly label: number;
-  /** Length, width and height along the box's x, y and z, metres. */
-  readonly size: readonly [number, number, number];
-  /** Pose in each frame, by the frame's number. */
-  readonly poses: Readonly<Record<string, BoxPose>>;
-  /** Attributes of the box in all frames, by name. */
-  readonly attributes: Readonly<Record<string, string | number | boolean>>;
-  /** Origin of the box. `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
-  readonly provenance: 'fitted' | 'drawn' | 'imported';
-  /** False: the front of the object may also be at the opposite end of the box. */
-  readonly heading_known: boolean;
-  /** UUID of the edit, which is applied once. */
-  readonly edit: string | null;
-}
-
-/** A new classifier. */
-export interface NewClassifier {
-  /** Text that people see. */
-  readonly name: string;
-  /** Ids of the recordings whose painted points are its examples, now and later. */
-  readonly recordings: readonly string[];
-  /** Names of its classes; null: all classes in the palettes of its recordings. */
-  readonly classes?: readonly string[] | null;
-  /** Name of a plug-in or service of this server that replaces the trees; empty: trees. */
-  readonly model?: string;
-  /** Learn from imported labels as well. */
-  readonly imported?: boolean;
-  /** Ids of labelled recordings to begin with; the more is painted, the less they count. */
-  readonly start_from?: readonly string[];
-}
-
-/** A report that was stored. */
-export interface NewHeadsetReport {
-  /** Id of the report. */
-  readonly id: string;
-}
-
-/** Keyboard shortcuts of the caller, which replace the earlier ones. */
-export interface NewKeys {
-  /** Keys by the text of the command. */
-  readonly keys: Readonly<Record<string, string>>;
-}
-
-/** A new label; the server chooses a missing ``id`` and ``color``. */
-export interface NewLabel {
-  /** Text that people see. */
-  readonly name: string;
-  /** Name of a class; empty: none. */
-  readonly category?: string;
-  /** ``#rrggbb``; null: a colour that differs from the palette's. */
-  readonly color?: string | null;
-  /** Number of the label; null: the lowest free one. */
-  readonly id?: number | null;
-  /** Refuse edits of the label and its points. */
-  readonly locked?: boolean;
-  /** Show its points on the page. */
-  readonly visible?: boolean;
-  /** Replace a name or colour that is in use by a free one, for example "pin 2". */
-  readonly distinct?: boolean;
-}
-
-/** A new project. */
-export interface NewProject {
-  /** Role in the project by account; empty: every account has its role in the workspace. */
-  readonly roles?: Readonly<Record<string, 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin'>> | null;
-  /** Numbers of the selected categories; null: all categories. */
-  readonly categories?: readonly number[] | null;
-  /** Ids of recordings, which move from their former projects. */
-  readonly recordings?: readonly string[] | null;
-  /** Text that people see. */
-  readonly name: string;
-  /** Name in URLs; null: derived from ``name``. */
-  readonly id?: string | null;
-}
-
-/** A version to create of the current labels. */
-export interface NewSnapshot {
-  /** Text that people see. */
-  readonly name: string;
 }
 
 /** Tasks to create. */
@@ -1138,28 +564,6 @@ export interface NewToken {
   readonly token: string;
 }
 
-/** A token to create. */
-export interface NewTokenRequest {
-  /** Role that it gives; null: the account's role.  `viewer`: sees recordings and labels; `annotator`: changes labels; `reviewer`: accepts and rejects labels; `manager`: manages recordings, projects and accounts; `admin`: manages the server */
-  readonly role?: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin' | null;
-  /** Days until it expires; null: never. */
-  readonly days?: number | null;
-}
-
-/** A webhook to add. */
-export interface NewWebhook {
-  /** Address that receives the events. */
-  readonly url: string;
-  /** Events to send; null: all. */
-  readonly topics?: readonly ('task' | 'labels' | 'job')[] | null;
-}
-
-/** A request for the next task. */
-export interface NextTask {
-  /** Kind of work. `label`: label frames; `review`: review the labels of other people */
-  readonly work?: 'label' | 'review';
-}
-
 /** Categories for labels. */
 export interface OfferedCategories {
   /** The project selects them: labels get no other category. */
@@ -1180,14 +584,6 @@ export interface Palette {
   readonly labels: readonly PaletteLabel[];
 }
 
-/** Labels to add, or a template that contains them. */
-export interface PaletteAddition {
-  /** Name of a well-known dataset, from ``GET /templates``. */
-  readonly template?: string | null;
-  /** Labels of a file; those whose name and category the palette has are skipped. */
-  readonly labels?: readonly PaletteLabel[];
-}
-
 /** A label without its id; other fields of an exported ``palette.json`` are ignored. */
 export interface PaletteLabel {
   /** Text that people see. */
@@ -1196,12 +592,6 @@ export interface PaletteLabel {
   readonly category: string;
   /** ``#rrggbb``; null: the default colour of its id. */
   readonly color: string | null;
-}
-
-/** Order of the palette. */
-export interface PaletteOrder {
-  /** Ids of labels, first to last; missing labels follow. */
-  readonly labels: readonly number[];
 }
 
 /** One line of the history. */
@@ -1268,72 +658,6 @@ export interface Placement {
   readonly moving: readonly Moving[];
 }
 
-/** Changes of a pose; missing fields and null do not change it. */
-export interface PosePatch {
-  /** New centre, source coordinates, metres; counts as drawn. */
-  readonly centre?: readonly [number, number, number] | null;
-  /** New rotation x, y, z, w; counts as drawn. */
-  readonly quaternion?: readonly [number, number, number, number] | null;
-  /** New origin of the pose.  `fitted`: fitted to the label's points; `drawn`: drawn or moved by a person; `imported`: read from a file */
-  readonly provenance?: 'fitted' | 'drawn' | 'imported' | null;
-  /** New confidence in the pose, 0 to 1. */
-  readonly confidence?: number | null;
-  /** Attributes in this frame by name; null removes one, others do not change. */
-  readonly attributes?: Readonly<Record<string, string | number | boolean | null>>;
-}
-
-/** Points to predict. */
-export interface PredictionRequest {
-  /** Id of the classifier. */
-  readonly classifier: string;
-  /** Ids of the only labels to predict; null: all of its classes. */
-  readonly labels?: readonly number[] | null;
-  /** Predict only near this place, source coordinates, metres; null: the whole frame. */
-  readonly place?: readonly [number, number, number] | null;
-}
-
-/** Preview of an import of files: the frames, fields and labels that it would store. */
-export interface Preview {
-  /** Name that the recording would get. */
-  readonly name: string;
-  /** Format of the files. */
-  readonly format: string;
-  /** Format that people see. */
-  readonly title: string;
-  /** Number of frames; null: unknown before the whole is read. */
-  readonly frames: number | null;
-  /** Frames per second of playback. */
-  readonly fps: number;
-  /** Source of ``fps``. */
-  readonly fps_from: string;
-  /** Rule that orders the frames. */
-  readonly order: string;
-  /** Frame of each file: ``file`` and ``frame``, the first hundred. */
-  readonly files: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``points`` and points ``left_out`` of the first frames. */
-  readonly points: readonly (Readonly<Record<string, number>>)[];
-  /** ``name`` and ``meaning`` of each column. */
-  readonly columns: readonly (Readonly<Record<string, string>>)[];
-  /** ``name``, ``type`` and number of ``messages`` of each topic of a bag. */
-  readonly topics: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``name`` of each camera with pictures. */
-  readonly cameras: readonly (Readonly<Record<string, unknown>>)[];
-  /** ``source`` of the poses, and whether frames ``agree`` by them; null: none. */
-  readonly poses: Readonly<Record<string, unknown>> | null;
-  /** ``name`` of the unit, its ``scale`` in metres, and the ``extent`` of the points. */
-  readonly units: Readonly<Record<string, unknown>>;
-  /** Axis that points up. */
-  readonly up: string;
-  /** Source of ``up``. */
-  readonly up_from: string;
-  /** The files contain labels. */
-  readonly labels: boolean;
-  /** Corrections of the request that take effect. */
-  readonly corrections: Readonly<Record<string, unknown>>;
-  /** Sentences about doubtful content. */
-  readonly warnings: readonly string[];
-}
-
 /** A project as the caller sees it. */
 export interface ProjectInfo {
   /** Name in URLs. */
@@ -1354,44 +678,6 @@ export interface ProjectInfo {
   readonly tasks: Readonly<Partial<Record<'open' | 'taken' | 'done' | 'review' | 'accepted' | 'returned', number>>>;
   /** Number of tasks in each state, by the name of the assignee; empty name: not assigned. */
   readonly people: Readonly<Record<string, Readonly<Partial<Record<'open' | 'taken' | 'done' | 'review' | 'accepted' | 'returned', number>>>>>;
-}
-
-/** Values to set; missing fields do not change. */
-export interface ProjectPatch {
-  /** Text that people see. */
-  readonly name?: string | null;
-  /** Role in the project by account; empty: every account has its role in the workspace. */
-  readonly roles?: Readonly<Record<string, 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin'>> | null;
-  /** Numbers of the selected categories; null: all categories. */
-  readonly categories?: readonly number[] | null;
-  /** Ids of recordings, which move from their former projects. */
-  readonly recordings?: readonly string[] | null;
-}
-
-/** Readiness of the server for work. */
-export interface Ready {
-  /** State of the whole. `ready`: all parts work; `not ready`: a part has a fault */
-  readonly status: 'ready' | 'not ready';
-  /** ``ok`` or the fault of each part, by its name. */
-  readonly parts: Readonly<Record<string, string>>;
-}
-
-/** Changes of a recording; missing fields and null do not change it. */
-export interface RecordingPatch {
-  /** New text that people see. */
-  readonly name?: string | null;
-  /** Frames per second of playback, at most 1000. */
-  readonly fps?: number | null;
-  /** Transform from local coordinates to the floor of the page, y up, row by row. */
-  readonly room?: readonly number[] | null;
-}
-
-/** Points to merge. */
-export interface Region {
-  /** Ids of labels, by the id of the copy: only their points are merged. */
-  readonly labels: Readonly<Record<string, readonly number[]>>;
-  /** Frame of the points; null: all submitted frames. */
-  readonly frame?: number | null;
 }
 
 /** The review of a recording. */
@@ -1424,28 +710,6 @@ export interface ReviewPatch {
   readonly last?: number | null;
 }
 
-/** Frames, or a label in them, that a review is about. */
-export interface ReviewedFrames {
-  /** First frame; null: the label as a whole. */
-  readonly first: number | null;
-  /** Last frame, included. */
-  readonly last: number | null;
-  /** Id of the label; null: the frames themselves. */
-  readonly label: number | null;
-}
-
-/** Result of a tracking run. */
-export interface Run {
-  /** UUID of the edit. */
-  readonly edit: string;
-  /** Number of points with a new label, provenance or deletion. */
-  readonly changed: number;
-  /** Revision of the recording after the edit. */
-  readonly revision: number;
-  /** Number of frames with new labels. */
-  readonly frames: number;
-}
-
 /** Work of a person on frames with ground truth. */
 export interface Score {
   /** Name of the person. */
@@ -1476,20 +740,6 @@ export interface SecretWebhook {
   readonly paused_until: string | null;
   /** Secret that signs its events. */
   readonly secret: string;
-}
-
-/** Sign in with a token. */
-export interface SignIn {
-  /** Token of an account, as the server or a manager printed it. */
-  readonly token: string;
-}
-
-/** The signed-in person. */
-export interface SignedIn {
-  /** Name that edits show. */
-  readonly author: string;
-  /** Role in the workspace. `viewer`: sees recordings and labels; `annotator`: changes labels; `reviewer`: accepts and rejects labels; `manager`: manages recordings, projects and accounts; `admin`: manages the server */
-  readonly role: 'viewer' | 'annotator' | 'reviewer' | 'manager' | 'admin';
 }
 
 /** A version of a project's labels. */
@@ -1544,14 +794,6 @@ export interface Standing {
   readonly changed: boolean;
 }
 
-/** A labelled recording from which a classifier can start. */
-export interface Start {
-  /** Id of the recording. */
-  readonly recording: string;
-  /** Classes that it has labels of. */
-  readonly classes: readonly string[];
-}
-
 /** Figures of a project, from its edits. */
 export interface Statistics {
   /** Number of recordings. */
@@ -1568,18 +810,6 @@ export interface Statistics {
   readonly classes: readonly ClassFigures[];
   /** Figures by person, the most hours first. */
   readonly people: readonly PersonFigures[];
-}
-
-/** Labels in a range of frames. */
-export interface Stretch {
-  /** Ids of the labels. */
-  readonly labels: readonly number[];
-  /** UUID of the edit, which is applied once. */
-  readonly id?: string | null;
-  /** One end of the range. */
-  readonly start: number;
-  /** Other end of the range, included. */
-  readonly stop: number;
 }
 
 /** Frames of a recording to label. */
@@ -1646,14 +876,6 @@ export interface Taxonomy {
   readonly attributes: readonly BoxAttribute[];
 }
 
-/** Classes to add, and new names, colours and sizes of existing classes. */
-export interface TaxonomyChange {
-  /** Classes by their numbers; other classes do not change. */
-  readonly categories?: readonly Category[];
-  /** All attributes of boxes; null keeps the existing ones. */
-  readonly attributes?: readonly BoxAttribute[] | null;
-}
-
 /** A token without its secret. */
 export interface Token {
   /** Id for its revocation. */
@@ -1672,56 +894,6 @@ export interface Token {
   readonly valid: boolean;
 }
 
-/** A label's track in one frame. */
-export interface Track {
-  /** Id of the label. */
-  readonly label: number;
-  /** Number of the frame. */
-  readonly frame: number;
-  /** Transform (4, 4) from the start frame to this frame, source coordinates. */
-  readonly pose: readonly number[];
-  /** Root mean square distance of the inliers, metres; null: not registered. */
-  readonly rmse: number | null;
-  /** Share of the model's points with a point near them, 0 to 1. */
-  readonly inliers: number;
-  /** Confidence in the pose, 0 to 1; below 0.5 a person should look. */
-  readonly confidence: number;
-  /** Number of points that got the label. */
-  readonly points: number;
-  /** Outcome in this frame. `tracked`: found in the frame; `occluded`: hidden by something nearer; `lost`: not found; `painted`: labelled by a person */
-  readonly state: 'tracked' | 'occluded' | 'lost' | 'painted';
-}
-
-/** A tracking run, which is one edit. */
-export interface TrackingRequest {
-  /** First frame, which has the labels. */
-  readonly start: number;
-  /** Last frame; below ``start``: the run goes backward. */
-  readonly stop: number;
-  /** Ids of the labels; null: all labels with points in the first frame. */
-  readonly labels?: readonly number[] | null;
-  /** Method: ``auto``, ``icp``, ``color-icp`` or the name of a plug-in. */
-  readonly method?: string;
-  /** Labelled points that the run may replace. `never`: unlabeled points only; `tracked`: also tracked and predicted points; `all`: also painted points */
-  readonly overwrite?: 'never' | 'tracked' | 'all';
-  /** Search for a lost label in later frames instead of ending it. */
-  readonly continue_lost?: boolean;
-  /** End a label at the next frame in which it is painted. */
-  readonly until_painted?: boolean;
-  /** End the run at a frame with a doubtful label. */
-  readonly stop_unsure?: boolean;
-  /** UUID of the job and of its edit: a repeated call does not begin another run. */
-  readonly id?: string | null;
-}
-
-/** An undo or redo of the caller's edits. */
-export interface Undo {
-  /** UUID of the undo, which is applied once; null: the server chooses one. */
-  readonly id?: string | null;
-  /** UUID of the edit to undo or redo; null: the last one. */
-  readonly edit?: string | null;
-}
-
 /** An address that receives events. */
 export interface Webhook {
   /** Id in URLs. */
@@ -1734,9 +906,4 @@ export interface Webhook {
   readonly created: string;
   /** Time of the next attempt while the receiver is away; null: it answers. */
   readonly paused_until: string | null;
-}
-
-export interface _Numbered {
-  /** Number of the box, never given to another box of the recording. */
-  readonly id: number;
 }
