@@ -40,7 +40,7 @@ $(STAMPS)/nodejs: $(STAMPS)/venv constraints.txt
 
 $(STAMPS)/runtime: $(STAMPS)/nodejs pyproject.toml constraints.txt
 	@echo "== Python packages from PyPI (pinned in constraints.txt)"
-	@$(BIN)/python -m pip install --quiet -c constraints.txt -e .
+	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[people]'
 	@touch $@
 
 # Numba overlooks what changed in what a loop calls.

@@ -1,4 +1,4 @@
-import { readFile, writeFile } from 'node:fs/promises';
+import { cp, readFile, writeFile } from 'node:fs/promises';
 import { basename, join } from 'node:path';
 import { promisify } from 'node:util';
 import { brotliCompress, constants, gzip } from 'node:zlib';
@@ -73,6 +73,21 @@ function compress(): Plugin {
   };
 }
 
+const PERSON_MODEL = 'selfie_segmentation.tflite';
+const PERSON_MODELS = '../server/pointbrush/masks/people/models';
+
+/** Copies the server's model of people out of its npm package. */
+function personModel(): Plugin {
+  return {
+    name: 'person-model',
+    apply: 'build',
+    async closeBundle() {
+      const source = join('node_modules/@mediapipe/selfie_segmentation', PERSON_MODEL);
+      await cp(source, join(PERSON_MODELS, PERSON_MODEL));
+    },
+  };
+}
+
 async function compressFile(path: string): Promise<void> {
   const data = await readFile(path);
   if (data.length < LEAST_BYTES) return;
@@ -85,7 +100,7 @@ export default defineConfig({
   // The server may mount the page below a path, and every asset comes from it.
   base: './',
   oxc: { jsx: { runtime: 'automatic', importSource: 'preact' } },
-  plugins: [assembly(), preloadPage(), compress()],
+  plugins: [assembly(), preloadPage(), compress(), personModel()],
   build: {
     outDir: '../server/pointbrush/web/page',
     emptyOutDir: true,

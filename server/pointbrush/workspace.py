@@ -50,6 +50,7 @@ from pointbrush.work.library import Library
 from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops.running import Loops
 from pointbrush.work.objects import Objects
+from pointbrush.work.people import FIND
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
     from pointbrush.work.classifiers.applying import Predictions
     from pointbrush.work.classifiers.service import Classifiers
     from pointbrush.work.masks.service import Masks
+    from pointbrush.work.people.service import People
     from pointbrush.work.projects.agreeing import Agreeing
     from pointbrush.work.projects.queue import Queue
     from pointbrush.work.projects.service import Projects
@@ -107,6 +109,7 @@ class Workspace:
             TRACK: lambda job: self.tracking.restart(job),
             PREDICT: lambda job: self.predictions.restart(job),
             FIT: lambda job: self.fitting.restart(job),
+            FIND: lambda job: self.people.restart(job),
         }
         self.jobs = JobRegistry(
             self.labels,
@@ -203,6 +206,13 @@ class Workspace:
         from pointbrush.work.classifiers.applying import Predictions
 
         return Predictions(self._job_context, self.classifiers)
+
+    @once
+    def people(self) -> People:
+        """Return the service that finds people in pictures."""
+        from pointbrush.work.people.service import People
+
+        return People(self._job_context)
 
     @property
     def _classifier_folder(self) -> Path:

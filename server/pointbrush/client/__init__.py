@@ -37,6 +37,7 @@ from pointbrush.values.imports import Entry, ImportPreview
 from pointbrush.values.jobs import Job
 from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
+from pointbrush.values.people import FoundPeople, FoundPerson, LabelledPeople, PersonPoints
 from pointbrush.values.recordings import Bounds, Manifest
 from pointbrush.values.taxonomy import BoxAttribute, Category
 from pointbrush.values.team.accounts import Account, NewToken, Token
@@ -93,6 +94,8 @@ __all__ = [
     "ExportFormat",
     "Finding",
     "FittedBoxes",
+    "FoundPeople",
+    "FoundPerson",
     "Frame",
     "FrameAgreement",
     "FrameDifference",
@@ -105,10 +108,12 @@ __all__ = [
     "Label",
     "LabelAgreement",
     "LabelDifference",
+    "LabelledPeople",
     "Manifest",
     "NewToken",
     "PastEdit",
     "PersonFigures",
+    "PersonPoints",
     "Place",
     "Prediction",
     "Project",

@@ -31,6 +31,7 @@ from pointbrush.values.labels import (
     NewLabel,
     OfferedCategories,
 )
+from pointbrush.values.people import FoundPeople, LabelledPeople, PeopleSearch
 from pointbrush.values.recordings import Manifest, RecordingPatch
 from pointbrush.values.tracking import Overwrite, Run, Stretch, Track, TrackingRequest
 
@@ -238,6 +239,43 @@ class Recording(Part[L]):
     def tracks(self) -> Steps[list[Track]]:
         """Return pose, confidence and state of each tracked label in each frame."""
         return self._get(list[Track], "/tracks")
+
+    # ── people ───────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def find_people(self, frames: Sequence[int] | None = None) -> Steps[FoundPeople]:
+        """Return the people in colour pictures of frames (None: all); nothing is changed."""
+        body = PeopleSearch(tuple_of(frames)).given()
+        place = f"/sequences/{self.id}/people"
+        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
+        return read(FoundPeople, answer.json())
+
+    @steps
+    def start_find_people(
+        self, frames: Sequence[int] | None = None, *, patience: float = PATIENCE
+    ) -> Steps[Job]:
+        """Start to label people and return the job; arguments as of ``label_people``."""
+        return (yield from self._people(frames, patience))
+
+    @steps
+    def label_people(
+        self, frames: Sequence[int] | None = None, *, progress: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[LabelledPeople]:  # fmt: skip
+        """Label the people that ``find_people`` finds, as one edit, and wait.
+
+        Painted, erased and tracked points keep their labels.  ``patience``: as of ``track``.
+        """
+        job = yield from self._people(frames, patience)
+        result = yield from finished(job, progress=progress, patience=patience)
+        return read(LabelledPeople, result)
+
+    def _people(self, frames: Sequence[int] | None, patience: float) -> Steps[Job]:
+        job = str(uuid.uuid4())
+        body = {"json": PeopleSearch(tuple_of(frames), True, job).given()}
+        return started(
+            job, Request("POST", f"/sequences/{self.id}/people", body, patience=patience)
+        )
 
     # ── boxes ────────────────────────────────────────────────────────────────────────────
 

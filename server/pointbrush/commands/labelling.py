@@ -28,6 +28,7 @@ from pointbrush.work.tracking.options import RunOptions
 
 if TYPE_CHECKING:
     from pointbrush.client import Classifier, Label
+    from pointbrush.values.people import FoundPerson
     from pointbrush.work.classifiers.service import About
 
 Taught: TypeAlias = "About | Classifier"
@@ -73,6 +74,26 @@ def fit_boxes(given: argparse.Namespace, place: Place) -> Answer:
     lines = ["fitted 1 box" if count == 1 else f"fitted {count} boxes"]
     lines += [f"label {label}: {why}" for label, why in result["skipped"].items()]
     return Answer(result, lines)
+
+
+@verb(SEQUENCE, FRAMES, switch("--apply", "label them, as one edit (default: only count them)"))
+def find_people(given: argparse.Namespace, place: Place) -> Answer:
+    """Find people in colour pictures of a depth camera."""
+    from pointbrush.work.exporting import parse_frames  # slow to import
+
+    recording = place[given.sequence]
+    frames = parse_frames(given.frames, len(recording.frames))
+    if given.apply:
+        result = finished(place, recording.start_find_people(frames))
+        line = f"found {result['people']} people, {result['changed']:,} points labelled"
+        return Answer(result, [line])
+    found = recording.find_people(frames)
+    return Answer(found, [_person_line(each) for each in found.people] or ["no people found"])
+
+
+def _person_line(person: FoundPerson) -> str:
+    points = sum(each.points for each in person.frames)
+    return f"{person.name}\t{len(person.frames)} frames\t{points:,} points"
 
 
 def _labels_named(text: str | None, palette: Callable[[], Iterable[Label]]) -> list[int] | None:

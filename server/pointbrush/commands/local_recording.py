@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pointbrush.jobs.job import Job
     from pointbrush.sequences import Manifest
     from pointbrush.values.labels import Label as CountedLabel
+    from pointbrush.values.people import FoundPeople
     from pointbrush.work.listing import Listed
     from pointbrush.work.reviewing import BoxAgreement, Checked, Table
     from pointbrush.work.reviewing.comparing import LabelAgreement
@@ -108,6 +109,12 @@ class LocalRecording(Part):
 
     def start_fit_boxes(self, labels: Sequence[int] | None, **options: Any) -> Job:
         return self.workspace.fitting.fit(self.id, author=AUTHOR, labels=labels, **options)
+
+    def find_people(self, frames: Sequence[int]) -> FoundPeople:
+        return self.workspace.people.find(self.id, frames)
+
+    def start_find_people(self, frames: Sequence[int]) -> Job:
+        return self.workspace.people.start(self.id, frames, author=AUTHOR)
 
     def start_label_import(
         self, files: Sequence[Path], *, map: str | None, dry_run: bool, **options: Any

@@ -14,7 +14,7 @@ JobKind = Annotated[
             "import": "reads files of points or labels",
             "tracking": "carries labels to other frames",
             "export": "writes files",
-            "prediction": "applies a classifier",
+            "prediction": "applies a classifier, or finds people",
             "fitting": "fits boxes",
         }
     ),

@@ -418,7 +418,7 @@ export interface HeldOut {
 export interface Job {
   /** UUID of the job. */
   readonly id: string;
-  /** Kind of work. `import`: reads files of points or labels; `tracking`: carries labels to other frames; `export`: writes files; `prediction`: applies a classifier; `fitting`: fits boxes */
+  /** Kind of work. `import`: reads files of points or labels; `tracking`: carries labels to other frames; `export`: writes files; `prediction`: applies a classifier, or finds people; `fitting`: fits boxes */
   readonly kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting';
   /** Id of its recording; null: an import without one yet. */
   readonly sequence: string | null;

@@ -15,6 +15,7 @@ from pointbrush.web.routes import (
     masks,
     meta,
     objects,
+    people,
     sequences,
     taxonomy,
     tracking,
@@ -32,7 +33,7 @@ from pointbrush.web.routes.team import (
 
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
-    annotations, masks, tracking, classifiers, export, jobs, review, checks, projects, tasks,
-    snapshots, agreement, webhooks, accounts, headset_checks,
+    annotations, masks, people, tracking, classifiers, export, jobs, review, checks, projects,
+    tasks, snapshots, agreement, webhooks, accounts, headset_checks,
 )  # fmt: skip
 """In the order of matching: strokes first, because they are by far the most frequent calls."""

@@ -115,6 +115,7 @@ ROUTES: Mapping[tuple[str, str], Role] = {
     ("POST", "/sequences/{seq}/doubt/answers"): "annotator",
     ("DELETE", "/sequences/{seq}/doubt/answers"): "annotator",
     ("POST", "/sequences/{seq}/predictions"): "annotator",
+    ("POST", "/sequences/{seq}/people"): "annotator",
     ("DELETE", "/sequences/{seq}/features"): "annotator",
     ("POST", "/sequences/{seq}/clear"): "annotator",
     ("PUT", "/sequences/{seq}/review"): "annotator",
