@@ -41,12 +41,12 @@ from pointbrush.work.boxes.painting import BoxPainting
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.events import ClassesRenamed, Event, Listeners, SequencesChanged
-from pointbrush.work.folder_store import FolderStore, SequenceStore, make_folder
+from pointbrush.work.folder_store import FolderStore, make_folder
 from pointbrush.work.imports.requests import IMPORT, LABELS, SAMPLE
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.job_registry import Begin, JobRegistry
 from pointbrush.work.job_service import JobContext
-from pointbrush.work.library import Library
+from pointbrush.work.library import Library, SequenceStore
 from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops.running import Loops
 from pointbrush.work.objects import Objects

@@ -8,8 +8,8 @@ from pointbrush.errors import DamagedError, PointbrushError, UnavailableError
 from pointbrush.sequences.octree.arrays import read_array, read_layout
 from pointbrush.sequences.storage.checksums import CHECKSUMS, encode_checksums
 from pointbrush.sequences.storage.frame_files import FRAMES
-from pointbrush.sequences.storage.recording_files import RecordingFiles, files_of
 from pointbrush.sequences.storage.source_fields import FIELDS
+from pointbrush.sequences.storage.stored_files import RecordingFiles, files_of
 
 NO_CHECKSUMS = (
     f"{CHECKSUMS}: expected checksums in JSON, it is missing or damaged: changed bytes of the "

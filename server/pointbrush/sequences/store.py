@@ -20,13 +20,13 @@ from pointbrush.sequences.storage.frame_files import (
     MappedFiles,
     open_frame_files,
 )
-from pointbrush.sequences.storage.recording_files import RecordingFiles, files_of
 from pointbrush.sequences.storage.source_fields import (
     FIELDS,
     read_rows,
     read_source_fields,
     read_source_header,
 )
+from pointbrush.sequences.storage.stored_files import RecordingFiles, files_of
 from pointbrush.sequences.stored_frame import StoredFrame
 
 log = logging.getLogger(__name__)

@@ -5,15 +5,20 @@ from __future__ import annotations
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pointbrush.errors import BadInputError, DamagedError, NotFoundError
 from pointbrush.names import SCRATCH, is_plain
 from pointbrush.sequences import Manifest, open_sequence
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.storage.manifest import FILE
-from pointbrush.sequences.storage.recording_files import RecordingFiles
-from pointbrush.work.folder_store import SequenceStore, Version
+from pointbrush.sequences.storage.stored_files import RecordingFiles
+from pointbrush.work.folder_store import FolderStore, Version
+
+if TYPE_CHECKING:
+    from pointbrush.work.bucket_store import BucketStore
+
+SequenceStore: TypeAlias = "FolderStore | BucketStore"
 
 LABELS_ALONE = "labels without their recording, whose files are missing"
 

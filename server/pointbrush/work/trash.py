@@ -23,9 +23,10 @@ DOOMED = ".purged-"
 
 
 class Trash:
-    """Moves folders between a library's folder and ``.deleted`` in it; see DeletedPlace.
+    """Moves folders between a library's folder and ``.deleted`` in it.
 
-    Folders are named by identity and number, so recordings with the same id do not collide.
+    Folders are named by identity and number, so recordings with the same id do not collide.  Each
+    step can be interrupted and repeated.
     """
 
     def __init__(self, library: Path) -> None:
@@ -45,14 +46,14 @@ class Trash:
         return self._folder / f"{identity}-{known.number}"
 
     def is_empty(self) -> bool:
-        """See DeletedPlace."""
+        """Return whether it has no recordings."""
         return not any(path.is_dir() for path in self._folder.glob("*"))
 
     def _has(self, known: Known) -> bool:
         return self.place(known).is_dir()
 
     def is_unmoved(self, known: Known) -> bool:
-        """See DeletedPlace."""
+        """Return whether a deleted recording is still among the others."""
         folder = self._library / known.id
         if not is_plain(known.id) or not folder.is_dir() or self._has(known):
             return False
@@ -60,15 +61,15 @@ class Trash:
         return manifest is None or manifest.identity == known.identity
 
     def is_in_trash(self, known: Known) -> bool:
-        """See DeletedPlace."""
+        """Return whether a restored recording is still here and can be moved back."""
         return self._has(known) and self.has_room(known, known.id)
 
     def ids_for(self, known: Known) -> Iterator[str]:
-        """See DeletedPlace."""
+        """Yield ids under which a recording can be restored, best first."""
         return itertools.chain([known.id], ids_for(known.id))
 
     def has_room(self, known: Known, sequence: str) -> bool:  # noqa: ARG002 - any id does
-        """See DeletedPlace."""
+        """Return whether no files prevent its restoration under the id ``sequence``."""
         return is_plain(sequence) and not os.path.lexists(self._library / sequence)
 
     def manifest(self, known: Known) -> Manifest | None:

@@ -76,7 +76,7 @@ class FrameFiles:
     ) -> None:
         """``folder`` holds the sequence's frames; ``checksums`` are by name within it.
 
-        ``held`` keeps the files there, see ``RecordingFiles.hold``.
+        ``held`` keeps the files there, see ``FolderFiles.hold``.
         """
         self.index, self._folder, self._held = index, folder, held
         self._checksums, self._identity = checksums, manifest.identity

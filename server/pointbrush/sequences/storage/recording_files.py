@@ -7,7 +7,6 @@ import shutil
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 from pointbrush.sequences.octree.arrays import file_digest
 from pointbrush.sequences.storage.checksums import CHECKSUMS, SENSOR, parse_checksums
@@ -15,50 +14,49 @@ from pointbrush.sequences.storage.files import replace_file
 from pointbrush.sequences.storage.manifest import FILE, Manifest, read_manifest
 
 
-class RecordingFiles(Protocol):
-    """Files of one recording, named by their path in its folder; picklable, opened lazily.
+@dataclass(frozen=True)
+class FolderFiles:
+    """Files in a folder, named by their path in it; picklable, opened lazily."""
 
-    ``path``         folder of this machine with the files that are held.
-    ``open_frames``  frames that may be open at once.
-    """
-
-    open_frames: int
-
-    @property
-    def path(self) -> Path:
-        """See above; raises the errors of ``manifest``."""
-        raise NotImplementedError
+    path: Path
+    """Folder of this machine with the files that are held."""
+    open_frames = 256
+    """Frames that may be open at once."""
 
     def manifest(self) -> Manifest:
         """The manifest; raises NotFoundError when there is none, BadInputError when damaged."""
-        raise NotImplementedError
+        return read_manifest(self.path)
 
     def checksums(self) -> dict[str, str] | None:
         """The checksums; None when they are missing or damaged."""
-        raise NotImplementedError
+        try:
+            return parse_checksums((self.path / CHECKSUMS).read_bytes())
+        except OSError:
+            return None
 
-    def hold(self, index: int, part: str) -> AbstractContextManager[object]:
+    def hold(self, index: int, part: str) -> AbstractContextManager[object]:  # noqa: ARG002
         """Keep a frame's files under the folder ``part`` at ``path`` while the result exists.
 
         Raises DamagedError, NotFoundError, UnavailableError.
         """
-        raise NotImplementedError
+        return nullcontext()
 
     def is_gone(self) -> bool:
         """Return whether the recording is known to be deleted; does not wait."""
-        raise NotImplementedError
+        return not self.path.is_dir()
 
     def names(self) -> set[str]:
         """Return all files except the manifest, checksums and files that can be computed again."""
-        raise NotImplementedError
+        files = (file for file in self.path.rglob("*") if file.is_file())
+        return {str(file.relative_to(self.path)) for file in files} - {CHECKSUMS, FILE, SENSOR}
 
     def digest(self, name: str) -> str:
         """Return the current checksum of a file."""
-        raise NotImplementedError
+        return file_digest(self.path / name)
 
     def write(self, name: str, data: bytes) -> None:
         """Put ``data`` in place of a file in one step."""
-        raise NotImplementedError
+        replace_file(self.path / name, data)
 
     def copy_to(self, target: Path, earlier: Path | None = None) -> None:
         """Copy all files into the new folder ``target``.
@@ -66,50 +64,6 @@ class RecordingFiles(Protocol):
         Files with the same checksum in ``earlier``, the folder of an earlier copy, become links
         to its files.
         """
-        raise NotImplementedError
-
-
-@dataclass(frozen=True)
-class FolderFiles:
-    """The files are in the folder ``path``."""
-
-    path: Path
-    open_frames = 256
-
-    def manifest(self) -> Manifest:
-        """See RecordingFiles."""
-        return read_manifest(self.path)
-
-    def checksums(self) -> dict[str, str] | None:
-        """See RecordingFiles."""
-        try:
-            return parse_checksums((self.path / CHECKSUMS).read_bytes())
-        except OSError:
-            return None
-
-    def hold(self, index: int, part: str) -> AbstractContextManager[object]:  # noqa: ARG002
-        """See RecordingFiles; all of it is here."""
-        return nullcontext()
-
-    def is_gone(self) -> bool:
-        """See RecordingFiles."""
-        return not self.path.is_dir()
-
-    def names(self) -> set[str]:
-        """See RecordingFiles."""
-        files = (file for file in self.path.rglob("*") if file.is_file())
-        return {str(file.relative_to(self.path)) for file in files} - {CHECKSUMS, FILE, SENSOR}
-
-    def digest(self, name: str) -> str:
-        """See RecordingFiles."""
-        return file_digest(self.path / name)
-
-    def write(self, name: str, data: bytes) -> None:
-        """See RecordingFiles."""
-        replace_file(self.path / name, data)
-
-    def copy_to(self, target: Path, earlier: Path | None = None) -> None:
-        """See RecordingFiles."""
         kept = KeptFiles(self.checksums(), earlier)
 
         def copy(source: str, place: str) -> None:
@@ -141,8 +95,3 @@ class KeptFiles:
         except OSError:  # removed, or a disk without links, or too many links to one file
             pass
         return False
-
-
-def files_of(place: Path | RecordingFiles) -> RecordingFiles:
-    """Return the files of a recording that is in a folder, or ``place`` itself."""
-    return FolderFiles(place) if isinstance(place, Path) else place

@@ -24,7 +24,7 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Commit, Label, LabelStore
 from pointbrush.labels.boxes.editing import BoxEdit
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.observing import observed
 from pointbrush.work.exporting import parse_frames

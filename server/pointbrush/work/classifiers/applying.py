@@ -23,7 +23,7 @@ from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import PREDICTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.work.annotate.layers import Packed
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.classifiers.agreeing import average_chances, voter_of

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from collections.abc import Sequence as ListOf
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pointbrush import formats
 from pointbrush.errors import BadInputError, TooLargeError
@@ -22,8 +22,11 @@ from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, RecordingInfo, Sequence, import_frames, import_large
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
-from pointbrush.work.folder_store import ImportTarget
+from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.requests import ImportRequest, SampleRequest
+
+if TYPE_CHECKING:
+    from pointbrush.work.bucket_store import BucketTarget
 
 PART_POINTS = 1_000_000
 """Number of points of a large scan that are in memory per step."""
@@ -38,7 +41,7 @@ class ImportWork:
     """Picklable import of files as the new recording ``target``."""
 
     request: ImportRequest
-    target: ImportTarget
+    target: FolderTarget | BucketTarget
     sequence_id: str
     max_points: int = 500_000_000
 
@@ -109,7 +112,7 @@ class ImportWork:
 class SampleWork:
     """Picklable generation and import of the sample recording."""
 
-    target: ImportTarget
+    target: FolderTarget | BucketTarget
     sequence_id: str
     request: SampleRequest
 

@@ -22,7 +22,7 @@ from pointbrush.jobs.worker import local_processes
 from pointbrush.selection.selectors import StoredSelector, make_selector
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.frames import object_frame
 from pointbrush.work.prepare import ensure_compiled

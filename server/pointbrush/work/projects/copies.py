@@ -13,7 +13,8 @@ import numpy as np
 from pointbrush.labels import Write
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences.storage.manifest import rename_sequence
-from pointbrush.sequences.storage.recording_files import FolderFiles, RecordingFiles
+from pointbrush.sequences.storage.recording_files import FolderFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.teamwork.copies import CopyKind
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.imports.source_labels import edit_of, source_labels_summary

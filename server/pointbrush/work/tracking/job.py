@@ -15,7 +15,7 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.types import TRACKED, Only
 from pointbrush.sequences import Sequence, open_sequence
-from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.tracking import (
     METHODS,
     FrameKnowledge,
