@@ -9,20 +9,26 @@ from __future__ import annotations
 import shutil
 import threading
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Sequence
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from starlette.datastructures import FormData, UploadFile
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import MalformedError
 from pointbrush.values.base import Body
+from pointbrush.work.imports.uploads import Uploads
 
 Model = TypeVar("Model", bound=Body)
+MAX_FILES = 20_000
+"""Most files of a form."""
 COPY_BLOCK = 1 << 20
 TOGETHER = "upload"
 """The folder of several chosen folders, in the upload's folder."""
@@ -30,6 +36,35 @@ KEPT_SECONDS = 3600.0
 """Time for which files of a preview are kept."""
 MOST_KEPT = 16
 """Most uploads that a server keeps; the oldest are removed."""
+
+
+def is_form(request: Request) -> bool:
+    """Return whether a body is a form with files, not JSON; raises HTTPException for others."""
+    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+    if kind not in ("", "application/json", "multipart/form-data"):
+        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
+    return kind == "multipart/form-data"
+
+
+@asynccontextmanager
+async def uploaded(request: Request, **limits: int) -> AsyncIterator[tuple[FormData, Path]]:
+    """Read a form; yield it with the path of a new folder for its files, removed after an error.
+
+    ``limits`` of the form, see Starlette.
+    """
+    uploads: Uploads = request.app.state.uploads
+    folder = uploads.new()
+    try:
+        async with request.form(max_files=MAX_FILES, **limits) as form:
+            yield form, folder
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+
+
+def files_of(form: FormData) -> list[UploadFile]:
+    """Return the files of a form."""
+    return [file for file in form.getlist("files") if isinstance(file, UploadFile)]
 
 
 def described(model: Any, options: dict[str, Any]) -> dict[str, Any]:

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from functools import partial
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from starlette.datastructures import FormData, UploadFile
-from starlette.exceptions import HTTPException
 
 from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.class_maps import parse_map
@@ -23,17 +19,23 @@ from pointbrush.values.imports import LabelImportOptions, LabelImportRequest
 from pointbrush.values.jobs import Job
 from pointbrush.web import npy
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
-from pointbrush.web.problems import responses
-from pointbrush.web.routes.frames import BINARY, Written
+from pointbrush.web.problems import BINARY, responses
+from pointbrush.web.routes.frames import Written
 from pointbrush.web.security.auth import Caller, Gate, resource
-from pointbrush.web.upload_files import described, parse_form, parse_json, save
+from pointbrush.web.upload_files import (
+    described,
+    files_of,
+    is_form,
+    parse_form,
+    parse_json,
+    save,
+    uploaded,
+)
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.imports.options import BOX_CHOICES, LabelOptions
-from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 router = resource("annotations")
-MAX_FILES = 20_000
 MAX_FIELD = 1 << 20
 DryRun = Annotated[bool, Query(description="report the labels without writing anything")]
 
@@ -71,11 +73,8 @@ async def import_labels(
     dry_run: DryRun = False,
 ) -> Job:
     """Import labels of other tools as one edit; the result of the job counts labels and points."""
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind == "multipart/form-data":
+    if is_form(request):
         job = await _uploaded(request, workspace, seq, who.author, dry_run=dry_run)
-    elif kind not in ("", "application/json"):
-        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     else:
         body = parse_json(JSON_BODY, await request.body())
         gate: Gate = request.app.state.gate
@@ -122,21 +121,8 @@ def _more(options: LabelImportOptions) -> dict[str, Any]:
 async def _uploaded(
     request: Request, workspace: Workspace, seq: str, author: str, *, dry_run: bool
 ) -> Job:
-    uploads: Uploads = request.app.state.uploads
-    folder = uploads.new()
-    try:
-        async with request.form(
-            max_files=MAX_FILES, max_fields=16, max_part_size=MAX_FIELD
-        ) as form:
-            more = _more(parse_form(FORM_BODY, form))
-            await run_in_threadpool(_save, form, folder)
-        more |= {"dry_run": dry_run, "upload": folder}
+    async with uploaded(request, max_fields=16, max_part_size=MAX_FIELD) as (form, folder):
+        more = _more(parse_form(FORM_BODY, form)) | {"dry_run": dry_run, "upload": folder}
+        await run_in_threadpool(save, files_of(form), folder)
         begin = partial(workspace.imports.begin_labels, seq, folder, author, **more)
         return await run_in_threadpool(begin)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise
-
-
-def _save(form: FormData, folder: Path) -> None:
-    save([file for file in form.getlist("files") if isinstance(file, UploadFile)], folder)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Annotated, Any
 
 from fastapi import Path, Query, Response
@@ -110,9 +110,5 @@ def _without(body: Body, name: str) -> dict[str, Any]:
 
 def _change(body: BoxPatch) -> dict[str, Any]:
     """Return the fields to change, without nulls that remove nothing."""
-    poses = {frame: pose and _not_null(asdict(pose)) for frame, pose in body.poses.items()}
-    return _not_null(_without(body, "edit")) | {"poses": poses}
-
-
-def _not_null(fields: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in fields.items() if value is not None}
+    poses = {frame: pose and pose.given() for frame, pose in body.poses.items()}
+    return replace(body, edit=None).given() | {"poses": poses}

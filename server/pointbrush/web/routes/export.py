@@ -21,7 +21,7 @@ from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.values.exports import ExportFormat
 from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
-from pointbrush.web.problems import responses
+from pointbrush.web.problems import file_responses
 from pointbrush.web.security.auth import Caller, Gate, Principal, resource
 
 PIECES = 16
@@ -29,7 +29,6 @@ PIECE = 256 << 10
 LOOK_SECONDS = 1.0
 """Interval in which a waiting writer checks whether the client still reads."""
 router = resource("export")
-BINARY = {"schema": {"type": "string", "format": "binary"}}
 FrameRange = Annotated[
     str | None, Query(pattern=r"^[0-9]{0,9}(:[0-9]{0,9})?$", description="I:J, J not included")
 ]
@@ -211,14 +210,7 @@ def list_exports() -> list[ExportFormat]:
     return [ExportFormat.of(each, format=each.name) for each in EXPORTS.values()]
 
 
-@router.get(
-    "/sequences/{seq}/export",
-    response_class=Response,
-    responses={
-        200: {"description": "The export", "content": {"application/zip": BINARY}},
-        **responses(404),
-    },
-)
+@router.get("/sequences/{seq}/export", **file_responses("The export", "application/zip"))
 async def export_sequence(
     seq: SequenceId,
     workspace: Ws,

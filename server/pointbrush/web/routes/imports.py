@@ -11,8 +11,6 @@ from fastapi import Path as PathParameter
 from fastapi import Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
-from starlette.datastructures import UploadFile
-from starlette.exceptions import HTTPException
 
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError
@@ -39,17 +37,18 @@ from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,
     described,
+    files_of,
+    is_form,
     parse_form,
     parse_json,
     relative_path,
     save,
+    uploaded,
 )
 from pointbrush.work.imports.requests import bytes_of, recordings_in
-from pointbrush.work.imports.uploads import Uploads
 from pointbrush.workspace import Workspace
 
 router = resource("imports")
-MAX_FILES = 20_000
 MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32
 WORDS = ("drop_invalid", "decimal_comma", "by_order")
@@ -202,11 +201,8 @@ def drop_upload(upload: UploadPath, request: Request, who: Caller) -> None:
 
 
 async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted:
-    kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind == "multipart/form-data":
+    if is_form(request):
         return await _uploaded(request, who.author)
-    if kind not in ("", "application/json"):
-        raise HTTPException(415, f"expected JSON or multipart/form-data, got {kind[:80]!r}")
     body = parse_json(JSON_BODY, await request.body())
     if (body.path is None) == (body.upload is None):
         raise BadInputError(
@@ -241,17 +237,9 @@ def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
 
 
 async def _uploaded(request: Request, owner: str) -> Wanted:
-    uploads: Uploads = request.app.state.uploads
-    folder = uploads.new()
-    try:
-        async with request.form(
-            max_files=MAX_FILES, max_fields=MAX_FIELDS, max_part_size=MAX_FIELD
-        ) as form:
-            options = parse_form(FORM_BODY, form)
-            files = [file for file in form.getlist("files") if isinstance(file, UploadFile)]
-            saved = await run_in_threadpool(save, files, folder)
+    fields = {"max_fields": MAX_FIELDS, "max_part_size": MAX_FIELD}
+    async with uploaded(request, **fields) as (form, folder):
+        options = parse_form(FORM_BODY, form)
+        saved = await run_in_threadpool(save, files_of(form), folder)
         upload = Upload("", owner, folder, tuple(saved.paths), saved.name)
         return Wanted(saved.paths, _within(options, upload), upload=upload)
-    except BaseException:
-        shutil.rmtree(folder, ignore_errors=True)
-        raise

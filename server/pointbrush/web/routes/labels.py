@@ -82,8 +82,7 @@ def update_label(
     edit: EditId = None,
 ) -> Label:
     """Rename, recolour, recategorise, lock or hide a label."""
-    fields = {name: value for name, value in asdict(body).items() if value is not None}
-    if not fields:
+    if not (fields := body.given()):
         return workspace.labels.label(seq, id)
     return workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields)
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
-from typing import Annotated, Any
+from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from fastapi import Depends, Query
@@ -109,9 +109,7 @@ def get_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
 @router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
 def patch_sequence(seq: SequenceId, patch: RecordingPatch, workspace: Ws) -> Manifest:
     """Change the name, the rate or the floor transform of a recording."""
-    fields: dict[str, Any] = {
-        name: value for name, value in asdict(patch).items() if value is not None
-    }
+    fields = patch.given()
     if patch.room is not None:
         fields["room"] = np.array(patch.room).reshape(4, 4)
     if fields:
