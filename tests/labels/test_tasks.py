@@ -81,7 +81,7 @@ def test_what_comes_next_is_ones_own_then_what_was_returned_then_what_is_free(
     assert order == [4, 2, 1]
     assert tasks.take(PROJECT, "ada", review=True) is None
     assert tasks.take(PROJECT, "grace", review=True).number == 1
-    assert [(each.state, each.author) for each in tasks.history(PROJECT, 4)] == [
+    assert [(each.state, each.by) for each in tasks.history(PROJECT, 4)] == [
         ("done", "lead"),
         ("taken", "ada"),
         ("returned", "lead"),

@@ -30,10 +30,11 @@ from pointbrush.classify.options import (
     FeatureOptions,
     ForestOptions,
 )
-from pointbrush.classify.reliability import DEFAULT_ABOVE, HeldOut, Taught, reliability
+from pointbrush.classify.reliability import DEFAULT_ABOVE, Taught, reliability
 from pointbrush.classify.smoothing import Chances, average_over_pieces, smoothed
 from pointbrush.errors import BadInputError
 from pointbrush.exchange.npz import Arrays, checked, read_npz
+from pointbrush.values.classifiers import HeldOut
 
 Floats = NDArray[np.float64]
 

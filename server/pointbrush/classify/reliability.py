@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from pointbrush.classify.forest import GROUPS, Trees, groups_of, learn, probabilities
 from pointbrush.classify.options import ForestOptions
 from pointbrush.classify.smoothing import Chances, likeliest_classes
+from pointbrush.values.classifiers import HeldOut
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,14 +64,6 @@ class Taught(NamedTuple):
             if len(np.unique(out[members])) == 1:
                 out[members] = -1
         return out
-
-
-@dataclass(frozen=True, slots=True)
-class HeldOut:
-    """Expected ``accuracy`` of a class, 0 to 1, None before enough ``places`` are painted."""
-
-    accuracy: float | None
-    places: int
 
 
 class Reliability(NamedTuple):

@@ -246,8 +246,7 @@ class Recording(Part[L]):
     def find_people(self, frames: Sequence[int] | None = None) -> Steps[FoundPeople]:
         """Return the people in colour pictures of frames (None: all); nothing is changed."""
         body = PeopleSearch(tuple_of(frames)).given()
-        place = f"/sequences/{self.id}/people"
-        answer = yield from send(Request("POST", place, {"json": body}, idempotent=True))
+        answer = yield from self._call("POST", "/people", json=body, idempotent=True)
         return read(FoundPeople, answer.json())
 
     @steps
@@ -273,9 +272,7 @@ class Recording(Part[L]):
     def _people(self, frames: Sequence[int] | None, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
         body = {"json": PeopleSearch(tuple_of(frames), True, job).given()}
-        return started(
-            job, Request("POST", f"/sequences/{self.id}/people", body, patience=patience)
-        )
+        return started(job, Request("POST", f"{self._place}/people", body, patience=patience))
 
     # ── boxes ────────────────────────────────────────────────────────────────────────────
 

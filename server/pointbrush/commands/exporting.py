@@ -18,9 +18,7 @@ from pointbrush.errors import BadInputError
 
 if TYPE_CHECKING:
     from pointbrush.client import Box, ExportFormat, Label, Snapshot
-    from pointbrush.commands.local import Written
     from pointbrush.geometry.oriented_box import OrientedBox
-    from pointbrush.labels.versions import Version
 
 Labels: TypeAlias = "Iterable[Label]"
 Boxes: TypeAlias = "Iterable[OrientedBox | Box]"
@@ -70,7 +68,7 @@ def export(given: argparse.Namespace, place: Place) -> Answer:
     return _exported(recording.id, out, known[given.format], labels, boxes)
 
 
-def _snapshot_named(known: Iterable[Version | Snapshot], text: str, sequence: str) -> str:
+def _snapshot_named(known: Iterable[Snapshot], text: str, sequence: str) -> str:
     """Return the id of a snapshot of a recording by its id or name; raises BadInputError."""
     there = [each for each in known if sequence in each.recordings]
     found = [each.id for each in there if each.id == text]
@@ -97,7 +95,7 @@ def _unpack(out: Path, export: Callable[[Path], object]) -> None:
 
 
 def _exported(
-    sequence: str, out: Path, entry: Written | ExportFormat, labels: Labels, boxed: Boxes
+    sequence: str, out: Path, entry: ExportFormat, labels: Labels, boxed: Boxes
 ) -> Answer:
     """Name the place of an export and the content that its format cannot hold.
 

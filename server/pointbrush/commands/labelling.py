@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from pointbrush.commands.answers import Answer, confirmed
 from pointbrush.commands.arguments import (
@@ -29,9 +29,7 @@ from pointbrush.work.tracking.options import RunOptions
 if TYPE_CHECKING:
     from pointbrush.client import Classifier, Label
     from pointbrush.values.people import FoundPerson
-    from pointbrush.work.classifiers.service import About
 
-Taught: TypeAlias = "About | Classifier"
 FRAME = whole("a frame number from 0", 0)
 
 
@@ -158,7 +156,7 @@ def example(given: argparse.Namespace, place: Place) -> Answer:
     return Answer({"classifier": taught, "applied": result}, [_line(taught), done])
 
 
-def _taught(place: Place, given: argparse.Namespace) -> Taught:
+def _taught(place: Place, given: argparse.Namespace) -> Classifier:
     """Train the given classifier, or a new one."""
     names = [] if given.sequence is None else [place[given.sequence].id]
     if given.classifier is not None:
@@ -170,7 +168,7 @@ def _taught(place: Place, given: argparse.Namespace) -> Taught:
     )  # fmt: skip
 
 
-def _classifiers(found: Iterable[Taught]) -> Answer:
+def _classifiers(found: Iterable[Classifier]) -> Answer:
     """List classifiers with their examples, recordings and scores."""
     known = list(found)
     if not known:
@@ -178,12 +176,12 @@ def _classifiers(found: Iterable[Taught]) -> Answer:
     return Answer(known, [_line(each) for each in known], head="ID\tEXAMPLES\tTAUGHT BY\tSCORE")
 
 
-def _described(found: Taught) -> Answer:
+def _described(found: Classifier) -> Answer:
     """Describe a classifier with its examples, recordings and score."""
     return Answer(found, [_line(found)])
 
 
-def _line(found: Taught) -> str:
+def _line(found: Classifier) -> str:
     examples = ", ".join(f"{name} {count}" for name, count in found.examples.items())
     score = "" if found.score is None else f"\tscore {found.score:.2f}"
     return f"{found.id}\t{examples}\tby {', '.join(found.taught_by) or 'no recording'}{score}"

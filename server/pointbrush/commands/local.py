@@ -8,16 +8,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pointbrush.commands.local_recording import Facts, LocalRecording, Part
+from pointbrush.commands.local_recording import LocalRecording, Part
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.settings import Settings
+from pointbrush.values.exports import ExportFormat
 
 if TYPE_CHECKING:
     from pointbrush.accounts.people import Account
     from pointbrush.jobs.job import Job
-    from pointbrush.labels.versions import Version
+    from pointbrush.values.classifiers import Classifier
     from pointbrush.values.imports import Preview
-    from pointbrush.work.classifiers.service import About, Classifiers
+    from pointbrush.values.recordings import Manifest
+    from pointbrush.values.team.snapshots import Snapshot
+    from pointbrush.work.classifiers.service import Classifiers
     from pointbrush.workspace import Workspace
 
 
@@ -63,8 +66,10 @@ class LocalClient:
     def __getitem__(self, text: str) -> LocalRecording:
         return LocalRecording(self.workspace, self.id_of(text))
 
-    def manifests(self) -> list[Facts]:
-        return [Facts.of(entry) for entry in self.workspace.listing.all()]
+    def manifests(self) -> list[Manifest]:
+        from pointbrush.work.manifests import listed
+
+        return [listed(entry) for entry in self.workspace.listing.all()]
 
     def restore(self, sequence: str) -> LocalRecording:
         return LocalRecording(self.workspace, self.workspace.deletion.restore(sequence))
@@ -84,13 +89,10 @@ class LocalClient:
     def job(self, job: str) -> Job:
         return self.workspace.jobs.get(job)
 
-    def export_formats(self) -> list[Written]:
+    def export_formats(self) -> list[ExportFormat]:
         from pointbrush.formats import EXPORTS  # slow to load
 
-        return [
-            Written(each.name, each.title, each.cannot_hold, each.classes)
-            for each in EXPORTS.values()
-        ]
+        return [ExportFormat.of(each, format=each.name) for each in EXPORTS.values()]
 
     @property
     def classifiers(self) -> LocalClassifiers:
@@ -125,16 +127,6 @@ def _require_workspace(settings: Settings) -> None:
             f"workspace: expected a folder with a workspace, got {settings.workspace}; --workspace "
             "names another folder, --server a server; `pointbrush import` makes a workspace"
         )
-
-
-@dataclass(frozen=True, slots=True)
-class Written:
-    """An export format with the attributes of ``client.ExportFormat`` that commands print."""
-
-    format: str
-    title: str
-    cannot_hold: Sequence[str]
-    classes: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +165,7 @@ class LocalClassifiers:
     def save(self, classifier: str, out: Path) -> None:
         out.write_bytes(self._service.file(classifier))
 
-    def load(self, file: Path, name: str | None) -> About:
+    def load(self, file: Path, name: str | None) -> Classifier:
         return self._service.import_file(file.read_bytes(), name)
 
 
@@ -190,5 +182,5 @@ class LocalProjects:
 class LocalProject(Part):
     """The calls of ``client.Project``."""
 
-    def snapshots(self) -> list[Version]:
+    def snapshots(self) -> list[Snapshot]:
         return self.workspace.versions.all(self.id)

@@ -7,58 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pointbrush.values.team.review import Agreement
+
 if TYPE_CHECKING:
     from pointbrush.geometry.oriented_box import OrientedBox
     from pointbrush.jobs.job import Job
-    from pointbrush.sequences import Manifest
+    from pointbrush.sequences import Manifest as StoredManifest
     from pointbrush.values.labels import Label as CountedLabel
     from pointbrush.values.people import FoundPeople
-    from pointbrush.work.listing import Listed
-    from pointbrush.work.reviewing import BoxAgreement, Checked, Table
-    from pointbrush.work.reviewing.comparing import LabelAgreement
+    from pointbrush.values.recordings import Manifest
+    from pointbrush.work.reviewing import Checked, Table
     from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"
 """Author of the edits of commands."""
-
-
-@dataclass(frozen=True, slots=True)
-class Facts:
-    """A recording with the attributes of ``client.Manifest`` that commands print.
-
-    ``frames`` is 0 for an unreadable recording.
-    """
-
-    id: str
-    name: str
-    revision: int
-    project: str
-    damaged: str | None
-    labels_missing: str | None
-    source: str = ""
-    frames: int = 0
-    fps: float = 0.0
-    points: Sequence[int] = ()
-    fields: Sequence[str] = ()
-
-    @classmethod
-    def of(cls, entry: Listed) -> Facts:
-        """Return the facts of an entry of the workspace's list."""
-        known = entry.manifest
-        facts = (known.source, known.frames, known.fps, known.points, known.fields) if known else ()
-        return cls(
-            entry.id, entry.name, entry.revision, entry.project, entry.damaged,
-            entry.labels_missing, *facts,
-        )  # fmt: skip
-
-
-@dataclass(frozen=True, slots=True)
-class Compared:
-    """The agreement of two recordings, as ``client.Agreement`` has it."""
-
-    labels: Sequence[LabelAgreement] = ()
-    miou: float | None = None
-    boxes: BoxAgreement | None = None
 
 
 @dataclass(frozen=True)
@@ -78,10 +40,12 @@ class LocalRecording(Part):
         return self.workspace.recording(self.id)
 
     @property
-    def manifest(self) -> Facts:
-        """The facts of the recording; raises DamagedError, NotFoundError."""
+    def manifest(self) -> Manifest:
+        """The manifest of the recording; raises DamagedError, NotFoundError."""
+        from pointbrush.work.manifests import listed
+
         self.workspace.recording(self.id)
-        return Facts.of(self.workspace.listing.entry(self.id))
+        return listed(self.workspace.listing.entry(self.id))
 
     @property
     def boxes(self) -> LocalBoxes:
@@ -135,7 +99,7 @@ class LocalRecording(Part):
     ) -> None:  # fmt: skip
         self.workspace.export(self.id, format, out, frames, val, above, snapshot)
 
-    def update(self, *, name: str) -> Manifest:
+    def update(self, *, name: str) -> StoredManifest:
         return self.workspace.update_sequence(self.id, name=name)
 
     def delete(self) -> None:
@@ -166,13 +130,13 @@ class LocalReview(Part):
     def check(self, frames: str | None) -> Checked:
         return self.workspace.reviewing.checks(self.id, frames)
 
-    def agreement(self, other: str, *, frames: str | None, boxes: bool) -> Compared:
+    def agreement(self, other: str, *, frames: str | None, boxes: bool) -> Agreement:
         """Return the agreement of labels, or of boxes alone, with another recording."""
         reviewing = self.workspace.reviewing
         if boxes:
-            return Compared(boxes=reviewing.box_agreement(self.id, other, frames))
-        found = reviewing.agreement(self.id, other, frames=frames)
-        return Compared(found.labels, found.miou)
+            found = reviewing.box_agreement(self.id, other, frames)
+            return Agreement(None, None, (), (), found)
+        return reviewing.agreement(self.id, other, frames=frames)
 
     def report(self, out: Path, table: Table) -> None:
         from pointbrush.work.reviewing import to_csv, to_html

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from pointbrush.commands.answers import Answer, confirmed, table
 from pointbrush.commands.arguments import ONE_OR_ALL, SEQUENCE, argument, verb
@@ -12,9 +12,6 @@ from pointbrush.commands.places import Place
 
 if TYPE_CHECKING:
     from pointbrush.client import Client, Manifest
-    from pointbrush.commands.local_recording import Facts
-
-Known: TypeAlias = "Facts | Manifest"
 
 
 @verb(ONE_OR_ALL)
@@ -34,7 +31,7 @@ def info(given: argparse.Namespace, place: Place) -> Answer:
     return Answer(_facts(known) | {"revision": known.revision, "labels": palette}, lines)
 
 
-def _listed(listed: Iterable[Known]) -> Answer:
+def _listed(listed: Iterable[Manifest]) -> Answer:
     value = [
         (_facts(known) if known.frames else {"id": known.id})
         | {"damaged": known.damaged, "labels_missing": known.labels_missing}
@@ -45,7 +42,7 @@ def _listed(listed: Iterable[Known]) -> Answer:
     )
 
 
-def _facts(known: Known) -> dict[str, Any]:
+def _facts(known: Manifest) -> dict[str, Any]:
     return {
         "id": known.id,
         "name": known.name,
@@ -57,7 +54,7 @@ def _facts(known: Known) -> dict[str, Any]:
     }
 
 
-def _row(known: Known) -> str:
+def _row(known: Manifest) -> str:
     """Return the columns of a recording in the list, separated by tabs."""
     parts = [known.id]
     if known.frames:

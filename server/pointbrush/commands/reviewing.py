@@ -7,7 +7,7 @@ import threading
 from collections.abc import Sequence
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from pointbrush.commands.answers import Answer, confirmed
 from pointbrush.commands.arguments import (
@@ -24,12 +24,7 @@ from pointbrush.errors import BadInputError
 
 if TYPE_CHECKING:
     from pointbrush.commands.local import LocalClient
-    from pointbrush.values.team.review import BoxAgreement
-    from pointbrush.values.team.review import LabelAgreement as RemoteLabelAgreement
-    from pointbrush.work.reviewing.comparing import LabelAgreement
-
-Agreeing: TypeAlias = "LabelAgreement | RemoteLabelAgreement"
-Boxes: TypeAlias = "BoxAgreement"
+    from pointbrush.values.team.review import BoxAgreement, LabelAgreement
 
 
 @verb(
@@ -95,7 +90,7 @@ def compare(given: argparse.Namespace, place: Place) -> Answer:
     return _labels_compared(found.labels, found.miou)
 
 
-def _labels_compared(labels: Sequence[Agreeing], miou: float | None) -> Answer:
+def _labels_compared(labels: Sequence[LabelAgreement], miou: float | None) -> Answer:
     """List the IoU of labels of two recordings."""
     lines = [f"{each.iou:.3f}  {each.name}" for each in labels]
     lines.append(
@@ -105,7 +100,7 @@ def _labels_compared(labels: Sequence[Agreeing], miou: float | None) -> Answer:
     return Answer({"labels": value, "miou": miou}, lines, head="IoU    label")
 
 
-def _boxes_compared(found: Boxes) -> Answer:
+def _boxes_compared(found: BoxAgreement) -> Answer:
     """List the agreement of boxes by class, with a line for each minimum 3D IoU of a match."""
     lines = [
         f"{one.name}: {one.second} boxes for {one.first}, IoU from {at.iou}: "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -47,25 +47,12 @@ from pointbrush.labels.packing import (
 from pointbrush.labels.state import SequenceState, exists_table, visible
 from pointbrush.labels.types import FrameValues, Label
 from pointbrush.names import require_visible
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team.snapshots import Snapshot
 
 MOST_VERSIONS = 1_000
 """Limit for a project: each version has a palette per recording, and all are listed together."""
 _FIELDS = tuple(name for name in Label.__dataclass_fields__ if name != "points")
-
-
-@dataclass(frozen=True, slots=True)
-class Version:
-    """A version: the revisions of the project's recordings at that time, by id.
-
-    ``created``: seconds since the epoch; ``author``: an account.
-    """
-
-    id: str
-    project: str
-    name: str
-    created: float
-    author: str
-    recordings: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +70,7 @@ class Versions:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def create(self, project: str, version: str, name: str, author: str) -> Version:
+    def create(self, project: str, version: str, name: str, author: str) -> Snapshot:
         """Create a version of the current labels of a project's recordings.
 
         Raises NotFoundError, ConflictError for an id that a version has, BadInputError for too many
@@ -93,7 +80,7 @@ class Versions:
             raise BadInputError(f"name: expected 1 to {LONGEST_NAME} characters, got {len(name)}")
         require_visible("name", name)
 
-        def make(connection: Connection) -> Version:
+        def make(connection: Connection) -> Snapshot:
             lock_project(connection, project)
             if _find(connection, version) is not None:
                 raise ConflictError(f"id: expected one of no snapshot yet, got {version!r}")
@@ -120,14 +107,14 @@ class Versions:
 
         return write_once(self._database, make, lambda c: _find(c, version))
 
-    def all(self, project: str) -> list[Version]:
+    def all(self, project: str) -> list[Snapshot]:
         """Return the versions of a project, newest first."""
         chosen = select(versions).where(versions.c.project == project)
         with self._database.read() as connection:
             rows = connection.execute(chosen.order_by(versions.c.created.desc())).all()
             return [_version(connection, row) for row in rows]
 
-    def get(self, project: str, version: str) -> Version:
+    def get(self, project: str, version: str) -> Snapshot:
         """Return a version; raises NotFoundError."""
         with self._database.read() as connection:
             return _get(connection, project, version)
@@ -318,19 +305,20 @@ def _moment(
     return Moment(number, revision, {label.id: label for label in ordered})
 
 
-def _find(connection: Connection, version: str) -> Version | None:
+def _find(connection: Connection, version: str) -> Snapshot | None:
     row = connection.execute(select(versions).where(versions.c.id == version)).first()
     return None if row is None else _version(connection, row)
 
 
-def _get(connection: Connection, project: str, version: str) -> Version:
-    found = _find(connection, version)
-    if found is None or found.project != project:
+def _get(connection: Connection, project: str, version: str) -> Snapshot:
+    wanted = and_(versions.c.id == version, versions.c.project == project)
+    row = connection.execute(select(versions).where(wanted)).first()
+    if row is None:
         raise NotFoundError(f"snapshot: expected one of {project!r}, got {version!r}")
-    return found
+    return _version(connection, row)
 
 
-def _version(connection: Connection, row: Any) -> Version:
+def _version(connection: Connection, row: Any) -> Snapshot:
     parts = (
         select(sequences.c.id, version_recordings.c.revision)
         .join(sequences, sequences.c.number == version_recordings.c.sequence)
@@ -338,4 +326,4 @@ def _version(connection: Connection, row: Any) -> Version:
         .order_by(sequences.c.id)
     )
     recordings = {row.id: row.revision for row in connection.execute(parts)}
-    return Version(row.id, row.project, row.name, row.created, row.author, recordings)
+    return Snapshot(row.id, row.name, time_of(row.created), row.author, recordings)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from pointbrush.sequences.storage.files import clean_temporary
     from pointbrush.sequences.storage.manifest import Manifest, read_manifest, update_manifest
     from pointbrush.sequences.store import Sequence, open_sequence
-    from pointbrush.sequences.stored_frame import Chunk, StoredFrame
+    from pointbrush.sequences.stored_frame import StoredFrame
 if not TYPE_CHECKING:
     __getattr__ = lazily(
         __name__,
@@ -30,6 +30,6 @@ if not TYPE_CHECKING:
             "record": "RecordingInfo",
             "source_order": "source_blocks",
             "store": "Sequence open_sequence",
-            "stored_frame": "Chunk StoredFrame",
+            "stored_frame": "StoredFrame",
         },
     )

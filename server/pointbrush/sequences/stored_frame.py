@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.storage.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.storage.manifest import Manifest
+from pointbrush.values.frames import Chunk
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -26,27 +27,6 @@ if TYPE_CHECKING:
 _TREE_POINTS = 6_000_000
 _trees: Cache[tuple[str, str, int], cKDTree[None]] = Cache(_TREE_POINTS)
 """Trees of all sequences together, bounded by their points (about 45 bytes each)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Chunk:
-    """A run of points in stored order, and its encoded bytes in the frame's wire file.
-
-    Position = ``origin + q * scale``, local metres; ``lo``, ``hi`` bound the exact positions.
-    ``parent`` is the chunk above in an octree, -1 elsewhere.
-    """
-
-    index: int
-    level: int
-    first: int
-    count: int
-    offset: int
-    nbytes: int
-    origin: tuple[float, float, float]
-    scale: tuple[float, float, float]
-    lo: tuple[float, float, float]
-    hi: tuple[float, float, float]
-    parent: int
 
 
 _CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]

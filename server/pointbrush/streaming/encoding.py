@@ -14,10 +14,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Delta, FrameValues
-from pointbrush.sequences import Chunk, StoredFrame
+from pointbrush.sequences import StoredFrame
 from pointbrush.streaming.messages import ClientMessage, Message
 from pointbrush.streaming.messages.values import RUN_BYTES
 from pointbrush.streaming.shared.status import MalformedError
+from pointbrush.values.frames import Chunk
 
 DELETED = 65535
 """Wire value of a deleted point."""

@@ -35,6 +35,7 @@ class Hooks:
     def __init__(self, webhooks: Webhooks, *, private: bool) -> None:
         """``private``: also allow addresses of this machine and its networks."""
         self._webhooks, self._private = webhooks, private
+        self.all, self.remove, self.deliveries = webhooks.all, webhooks.remove, webhooks.deliveries
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name="pointbrush-webhooks", daemon=True)
         self._lock = threading.Lock()
@@ -49,18 +50,6 @@ class Hooks:
         parsed = parse_url(url)
         resolve(parsed.host, parsed.port or 443, public=not self._private)
         return self._webhooks.add(project, url, topics or list(TOPICS))
-
-    def all(self, project: str) -> list[Webhook]:
-        """Return the webhooks of a project."""
-        return self._webhooks.all(project)
-
-    def remove(self, project: str, webhook: str) -> None:
-        """Delete a webhook; raises NotFoundError."""
-        self._webhooks.remove(project, webhook)
-
-    def deliveries(self, project: str, webhook: str) -> list[Delivery]:
-        """Return the latest events of a webhook, newest first."""
-        return self._webhooks.deliveries(project, webhook)
 
     def open(self) -> None:
         """Start the delivery of events."""

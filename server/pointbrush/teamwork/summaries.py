@@ -13,6 +13,7 @@ from pointbrush.database.database import Database
 from pointbrush.database.project_tables import FIRST, tasks
 from pointbrush.database.schema import LIVE, PROJECT_OF, WHOLE, counts, edits, labels, sequences
 from pointbrush.values.kinds import TaskState
+from pointbrush.values.team.projects import ClassFigures, PersonFigures, Statistics
 
 _CLASS = case((labels.c.category != "", labels.c.category), else_=labels.c.name)
 """The key of a label's class; a label without a category has its own class."""
@@ -48,39 +49,6 @@ class Match:
     revision: int
     project: str
     copy_of: str | None
-
-
-@dataclass(frozen=True, slots=True)
-class ClassFigures:
-    """Points and objects (labels with points) of a class."""
-
-    name: str
-    points: int
-    objects: int
-    seconds: float
-
-
-@dataclass(frozen=True, slots=True)
-class PersonFigures:
-    """Working time, number of edits and points of strokes of an account."""
-
-    account: str
-    seconds: float
-    edits: int
-    points: int
-
-
-@dataclass(frozen=True, slots=True)
-class Figures:
-    """Figures of a project: recordings, frames with labels, and by class and person.
-
-    A class gets the same share of each recording's time as of its painted points.
-    """
-
-    recordings: int
-    labelled_frames: int
-    classes: tuple[ClassFigures, ...]
-    people: tuple[PersonFigures, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,8 +112,11 @@ class Summaries:
             chosen = chosen.where(*_conditions(connection, search))
             return {name: Match(*rest) for name, *rest in connection.execute(chosen)}
 
-    def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Figures:
-        """Return the statistics of a project except the recordings ``without``."""
+    def figures(self, project: str, effort: Effort, without: Collection[str] = ()) -> Statistics:
+        """Return the statistics of a project except the recordings ``without``.
+
+        A class gets the same share of each recording's time as of its painted points.
+        """
         is_counted = and_(project == PROJECT_OF, LIVE, WHOLE, sequences.c.id.not_in(without))
         with self._database.read() as connection:
             number = connection.execute(select(func.count()).where(is_counted)).scalar_one()
@@ -155,7 +126,9 @@ class Summaries:
             count = connection.execute(select(func.count()).select_from(labelled)).scalar_one()
             people, spent = _people(connection, is_counted, effort)
             classes = _classes(connection, is_counted, spent)
-        return Figures(number, count, classes, people)
+        points, objects = (sum(getattr(c, n) for c in classes) for n in ("points", "objects"))
+        hours = sum(each.hours for each in people)
+        return Statistics(number, count, points, objects, hours, classes, people)
 
 
 def _conditions(connection: Connection, search: Search) -> list[ColumnElement[bool]]:
@@ -194,7 +167,7 @@ def _of_class(connection: Connection, wanted: str) -> ColumnElement[bool]:
 def _people(
     connection: Connection, is_counted: ColumnElement[bool], effort: Effort
 ) -> tuple[tuple[PersonFigures, ...], dict[int, float]]:
-    """Return the statistics of people, longest time first, and seconds by recording."""
+    """Return the statistics of accounts, longest time first, and hours by recording."""
     before = func.lag(edits.c.time).over(
         partition_by=(edits.c.sequence, edits.c.author), order_by=edits.c.revision
     )
@@ -220,12 +193,13 @@ def _people(
     spent: dict[int, float] = defaultdict(float)
     people: dict[str, PersonFigures] = {}
     for number, account, seconds, count, points in connection.execute(chosen):
-        spent[number] += seconds
+        hours = seconds / 3600
+        spent[number] += hours
         old = people.get(account, PersonFigures(account, 0.0, 0, 0))
         people[account] = PersonFigures(
-            account, old.seconds + seconds, old.edits + count, old.points + int(points)
+            account, old.hours + hours, old.edits + count, old.points + int(points)
         )
-    return tuple(sorted(people.values(), key=lambda each: -each.seconds)), spent
+    return tuple(sorted(people.values(), key=lambda each: -each.hours)), spent
 
 
 def _classes(
@@ -253,6 +227,6 @@ def _classes(
         name = classes.name(key)
         old = found.get(name, ClassFigures(name, 0, 0, 0.0))
         share = int(by_hand) / painted[number] if painted[number] else 0.0
-        seconds = old.seconds + share * spent.get(number, 0.0)
-        found[name] = ClassFigures(name, old.points + int(points), old.objects + objects, seconds)
+        hours = old.hours + share * spent.get(number, 0.0)
+        found[name] = ClassFigures(name, old.points + int(points), old.objects + objects, hours)
     return tuple(sorted(found.values(), key=lambda each: -each.points))

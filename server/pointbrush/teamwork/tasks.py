@@ -31,9 +31,10 @@ from pointbrush.database.project_tables import task_events, tasks
 from pointbrush.database.schema import LIVE, PROJECT_OF, sequences
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.teamwork.copies import seen_elsewhere
-from pointbrush.teamwork.reviews import Place
 from pointbrush.teamwork.webhooks import announce
-from pointbrush.values.kinds import TaskState
+from pointbrush.values.kinds import TaskState, time_of
+from pointbrush.values.team import tasks as values
+from pointbrush.values.team.tasks import TaskEvent
 
 TASK_STATES: tuple[TaskState, ...] = get_args(get_args(TaskState)[0])
 """Unassigned; being labelled; labelled; being reviewed; accepted; to be labelled again."""
@@ -43,39 +44,10 @@ MOST_TASKS = 100_000
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
-    """Frames ``first`` to ``last``, both included, of a recording.
-
-    ``assignee``, ``reviewer``  accounts, or "".
-    ``note``  of a reviewer, at ``place`` (source coordinates, metres) of ``frame``, if any.
-    ``created``, ``changed``  seconds since the epoch.
-    """
+class Task(values.Task):
+    """A task of a project; ``assignee`` and ``reviewer`` are accounts, or ""."""
 
     project: str
-    number: int
-    sequence: str
-    first: int
-    last: int
-    state: TaskState = "open"
-    assignee: str = ""
-    reviewer: str = ""
-    note: str = ""
-    frame: int | None = None
-    place: Place | None = None
-    created: float = 0.0
-    changed: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class TaskEvent:
-    """A change of a task: its state, assignee and note after the change."""
-
-    number: int
-    time: float
-    author: str
-    state: TaskState
-    assignee: str
-    note: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,16 +125,13 @@ class Tasks:
                 )
             made.append(
                 Task(
-                    project, number, each.sequence, each.first, each.last,
-                    assignee=assignee, created=now, changed=now,
+                    number, each.sequence, each.first, each.last, "open", assignee, "", "",
+                    None, None, time_of(now), time_of(now), project,
                 )
             )  # fmt: skip
         if made:
-            rows = [_row(task) | {"batch": batch} for task in made]
-            rows = [
-                row | {"sequence": numbers[task.sequence]}
-                for row, task in zip(rows, made, strict=True)
-            ]
+            more = {"batch": batch, "created": now, "changed": now}
+            rows = [_row(task) | more | {"sequence": numbers[task.sequence]} for task in made]
             connection.execute(insert(tasks), rows)
             connection.execute(insert(task_events), [_event(t, 1, now, author) for t in made])
             for task in made:
@@ -236,15 +205,16 @@ class Tasks:
         return write_once(self._database, make, find)
 
     def _put(self, connection: Connection, task: Task, author: str) -> Task:
-        task = replace(task, changed=self._database.now(connection))
-        row = _row(task)
+        now = self._database.now(connection)
+        task = replace(task, changed=time_of(now))
+        row = _row(task) | {"changed": now}
         is_task = (tasks.c.project == row.pop("project")) & (tasks.c.number == row.pop("number"))
         connection.execute(update(tasks).where(is_task).values(**row))
         events = task_events.c
         own = (events.project == task.project) & (events.task == task.number)
         last = connection.execute(select(func.max(events.number)).where(own)).scalar() or 0
-        connection.execute(insert(task_events), _event(task, last + 1, task.changed, author))
-        announce(connection, task.project, _facts(task, author), task.changed)
+        connection.execute(insert(task_events), _event(task, last + 1, now, author))
+        announce(connection, task.project, _facts(task, author), now)
         return task
 
     def remove(self, project: str, number: int) -> None:
@@ -282,7 +252,7 @@ class Tasks:
             _get(connection, project, number)
             rows = connection.execute(chosen.order_by(events.number.desc())).all()
         return [
-            TaskEvent(row.number, row.time, row.author, row.state, row.assignee or "", row.note)
+            TaskEvent(time_of(row.time), row.author, row.state, row.assignee or "", row.note)
             for row in rows
         ]
 
@@ -358,19 +328,22 @@ def _require_free(connection: Connection, project: str, wanted: Sequence[Stretch
 
 
 def _row(task: Task) -> dict[str, Any]:
-    row = {name: getattr(task, name) for name in Task.__dataclass_fields__ if name != "sequence"}
+    """Return the columns of a task's row except its recording, batch and times."""
+    left_out = ("sequence", "created", "changed")
+    row = {name: getattr(task, name) for name in Task.__dataclass_fields__ if name not in left_out}
     place = None if task.place is None else json.dumps(task.place)
     people = {"assignee": task.assignee or None, "reviewer": task.reviewer or None}
     return row | people | {"place": place}
 
 
 def _task(row: Row[Any]) -> Task:
-    values = dict(row._mapping)
-    place = values["place"]
+    found = dict(row._mapping)
+    place = found["place"]
     return Task(
-        **values
+        **found
         | {"assignee": row.assignee or "", "reviewer": row.reviewer or ""}
         | {"place": None if place is None else tuple(json.loads(place))}
+        | {"created": time_of(row.created), "changed": time_of(row.changed)}
     )
 
 

@@ -26,6 +26,8 @@ from pointbrush.database.project_tables import (
 from pointbrush.database.schema import LIVE, PROJECT_OF, WHOLE, edits, jobs, sequences
 from pointbrush.database.statements import insert
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team import webhooks as values
 from pointbrush.values.team.webhooks import Topic
 
 TOPICS: tuple[Topic, ...] = get_args(get_args(Topic)[0])
@@ -48,36 +50,21 @@ MOST_ATTEMPTS = 30
 _ENDED = ("done", "failed", "cancelled")
 
 
-@dataclass(frozen=True, slots=True)
-class Webhook:
-    """An address that receives events of ``topics`` of a project, signed with ``secret``.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Webhook(values.SecretWebhook):
+    """A webhook of a project."""
 
-    ``paused_until``: time of the next attempt while its receiver is unreachable, otherwise None.
-    """
-
-    id: str
     project: str
-    url: str
-    topics: tuple[Topic, ...]
-    secret: str
-    created: float
-    paused_until: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Delivery:
-    """An event for ``url``; ``delivered``: seconds since the epoch, or None."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Delivery(values.Delivery):
+    """An event for the ``url`` of a webhook, to be signed with ``secret``."""
 
-    id: str
     webhook: str
     url: str
     secret: str
-    topic: Topic
     body: str
-    created: float
-    attempts: int
-    delivered: float | None
-    error: str
 
 
 class Webhooks:
@@ -96,17 +83,14 @@ class Webhooks:
             count = select(func.count()).where(webhooks.c.project == project)
             if connection.execute(count).scalar_one() >= MOST_WEBHOOKS:
                 raise BadInputError(f"webhooks: expected at most {MOST_WEBHOOKS} in a project")
+            now = self._database.now(connection)
             made = Webhook(
-                secrets.token_hex(8),
-                project,
-                url,
-                tuple(topics),
-                secrets.token_urlsafe(32),
-                self._database.now(connection),
-            )
+                id=secrets.token_hex(8), project=project, url=url, topics=tuple(topics),
+                secret=secrets.token_urlsafe(32), created=time_of(now),
+            )  # fmt: skip
             row = {column.name: getattr(made, column.name) for column in webhooks.c}
             new = insert(webhooks, sqlite=self._database.sqlite)
-            connection.execute(new.values(row | {"topics": json.dumps(made.topics)}))
+            connection.execute(new.values(row | {"topics": json.dumps(topics), "created": now}))
         return made
 
     def all(self, project: str | None = None) -> list[Webhook]:
@@ -116,7 +100,7 @@ class Webhooks:
             chosen = chosen.where(webhooks.c.project == project)
         with self._database.read() as connection:
             waiting = connection.execute(_waiting(self._database.now(connection))).all()
-            until = {row.webhook: row.until for row in waiting}
+            until = {row.webhook: time_of(row.until) for row in waiting}
             rows = connection.execute(chosen).all()
             return [replace(_webhook(row), paused_until=until.get(row.id)) for row in rows]
 
@@ -157,7 +141,7 @@ class Webhooks:
             new = and_(edits.c.sequence == number, edits.c.revision > before)
             rows = connection.execute(
                 select(edits.c.revision, edits.c.author, edits.c.points, edits.c.frames).where(
-                    new, edits.c.revision <= revision, edits.c.time >= webhook.created
+                    new, edits.c.revision <= revision, edits.c.time >= webhook.created.timestamp()
                 )
             ).all()
             frames = {frame for row in rows for frame in json.loads(row.frames)}
@@ -181,7 +165,7 @@ class Webhooks:
             connection.execute(insert(webhook_cursors, sqlite=self._database.sqlite).values(row))
 
     def _gather_jobs(self, connection: Connection, webhook: Webhook, now: float) -> None:
-        since = max(webhook.created, now - JOBS_SECONDS)
+        since = max(webhook.created.timestamp(), now - JOBS_SECONDS)
         # The job's recording is the first of its id that was not deleted before the job began.
         held = or_(sequences.c.deleted.is_(None), sequences.c.deleted >= jobs.c.created)
         chosen = (
@@ -253,8 +237,8 @@ class Webhooks:
         with self._database.write() as connection:
             now = self._database.now(connection)
             wait = min(FIRST_WAIT * 2 ** (delivery.attempts - 1), LONGEST_WAIT)
-            values = {"error": error, "due": now + wait} if error else {"delivered": now}
-            connection.execute(update(webhook_events).where(is_event).values(**values))
+            result = {"error": error, "due": now + wait} if error else {"delivered": now}
+            connection.execute(update(webhook_events).where(is_event).values(**result))
             old = webhook_events.c.created < now - KEPT_SECONDS
             connection.execute(delete(webhook_events).where(old))
 
@@ -345,9 +329,10 @@ def _events() -> Any:
 
 
 def _webhook(row: Row[Any]) -> Webhook:
-    values = dict(row._mapping)
-    return Webhook(**values | {"topics": tuple(json.loads(values["topics"]))})
+    topics = tuple(json.loads(row.topics))
+    return Webhook(**{**row._mapping, "topics": topics, "created": time_of(row.created)})
 
 
 def _delivery(row: Row[Any]) -> Delivery:
-    return Delivery(**row._mapping)
+    times = {"created": time_of(row.created), "delivered": time_of(row.delivered)}
+    return Delivery(**{**row._mapping, **times})

@@ -10,7 +10,7 @@ import pytest
 
 from pointbrush.labels import Label
 from pointbrush.work.reviewing.checks import counting, positions
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, grouped
+from pointbrush.work.reviewing.checks.finding import CheckOptions, finding, grouped
 from pointbrush.work.reviewing.checks.positions import Sketch, sketch_frame
 
 OPTIONS = CheckOptions()
@@ -149,7 +149,7 @@ def test_a_gap_is_told_unless_it_is_long_or_known() -> None:
 
 
 def test_consecutive_frames_are_one_finding() -> None:
-    found = [Finding("few", f"{n}", (1,), n, n) for n in (5, 3, 4, 9)]
+    found = [finding("few", f"{n}", (1,), n, n) for n in (5, 3, 4, 9)]
     assert [(each.first, each.last, each.text) for each in grouped(found)] == [
         (3, 5, "3"),
         (9, 9, "9"),

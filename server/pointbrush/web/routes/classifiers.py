@@ -20,7 +20,6 @@ from pointbrush.values.classifiers import (
     Classifier,
     ClassName,
     DoubtAnswer,
-    HeldOut,
     MoreExamples,
     NewClassifier,
     Place,
@@ -30,16 +29,14 @@ from pointbrush.values.classifiers import (
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
-from pointbrush.web.problems import responses
+from pointbrush.web.problems import BINARY, file_responses, responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
     from pointbrush.work.classifiers.predicting import Prediction
-    from pointbrush.work.classifiers.service import About
 
 router = resource("classifiers")
-BINARY = {"schema": {"type": "string", "format": "binary"}}
 MEDIA_TYPE = "application/octet-stream"
 ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="classifier id")]
@@ -48,17 +45,16 @@ ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="cla
 @router.get("/classifiers")
 def list_classifiers(workspace: Ws) -> list[Classifier]:
     """List the classifiers of the workspace, by id."""
-    return [_classifier(each) for each in workspace.classifiers.listing()]
+    return workspace.classifiers.listing()
 
 
 @router.post("/classifiers", status_code=201, responses=responses(404))
 def create_classifier(body: NewClassifier, workspace: Ws, who: Caller, gate: TheGate) -> Classifier:
     """Create a classifier that learns from the painted points of ``recordings``, now and later."""
     gate.require_seen(who, *body.recordings, *body.start_from)
-    made = workspace.classifiers.create(
+    return workspace.classifiers.create(
         body.name, body.recordings, body.classes, body.model, body.imported, body.start_from
     )
-    return _classifier(made)
 
 
 @router.post(
@@ -76,13 +72,13 @@ async def bring_classifier(
 ) -> Classifier:
     """Import the file of a classifier, for example from another workspace."""
     data = bytes(await body_within(request, MOST_BYTES, "classifier"))
-    return _classifier(await run_in_threadpool(workspace.classifiers.import_file, data, name))
+    return await run_in_threadpool(workspace.classifiers.import_file, data, name)
 
 
 @router.get("/classifiers/{id}", responses=responses(404))
 def get_classifier(id: ClassifierPath, workspace: Ws) -> Classifier:
     """Return a classifier."""
-    return _classifier(workspace.classifiers.about(id))
+    return workspace.classifiers.about(id)
 
 
 @router.delete("/classifiers/{id}", status_code=204, responses=responses(404))
@@ -91,11 +87,7 @@ def delete_classifier(id: ClassifierPath, workspace: Ws) -> None:
     workspace.classifiers.delete(id)
 
 
-@router.get(
-    "/classifiers/{id}/file",
-    response_class=Response,
-    responses={200: {"description": "The file", "content": {MEDIA_TYPE: BINARY}}, **responses(404)},
-)
+@router.get("/classifiers/{id}/file", **file_responses("The file", MEDIA_TYPE))
 def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
     """Return a classifier as a file for another workspace."""
     headers = {"Content-Disposition": f'attachment; filename="{id}.npz"'}
@@ -109,19 +101,12 @@ def teach_classifier(
 ) -> Classifier:
     """Train on all painted points, also of further recordings, and store the classifier."""
     gate.require_seen(who, *body.recordings)
-    return _classifier(workspace.classifiers.teach(id, body.recordings))
+    return workspace.classifiers.teach(id, body.recordings)
 
 
 @router.post(
     "/sequences/{seq}/frames/{i}/prediction",
-    response_class=Response,
-    responses={
-        200: {
-            "description": "Classes and confidences",
-            "content": {"application/zip": BINARY, MEDIA_TYPE: BINARY},
-        },
-        **responses(404, 413),
-    },
+    **file_responses("Classes and confidences", "application/zip", MEDIA_TYPE, problems=(404, 413)),
 )
 def predict(
     seq: SequenceId,
@@ -283,8 +268,3 @@ def apply_classifier(
 def drop_features(seq: SequenceId, workspace: Ws) -> None:
     """Drop the cached features of a recording from memory."""
     workspace.classifiers.forget_features(seq)
-
-
-def _classifier(found: About) -> Classifier:
-    held_out = {name: HeldOut.of(each) for name, each in found.held_out.items()}
-    return Classifier.of(found, held_out=held_out)

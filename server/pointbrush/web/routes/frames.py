@@ -20,7 +20,7 @@ from pointbrush.errors import NotFoundError
 from pointbrush.selection import MAX_FRAMES
 from pointbrush.sequences.pictures import MEDIA_TYPES
 from pointbrush.values.edits import Edit
-from pointbrush.values.frames import Camera, Chunk, ChunkTable, Moving, Placement
+from pointbrush.values.frames import Camera, ChunkTable, Moving, Placement
 from pointbrush.values.kinds import Uuid
 from pointbrush.web import npy
 from pointbrush.web.context import (
@@ -32,7 +32,7 @@ from pointbrush.web.context import (
     etag,
     if_match,
 )
-from pointbrush.web.problems import responses
+from pointbrush.web.problems import BINARY, file_responses, responses
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.annotate.overlays import Placement as LocalPlacement
@@ -52,7 +52,6 @@ Layer = Annotated[
 Written = Annotated[Literal["label", "provenance", "deleted"], Query(description=LAYERS)]
 WIDEST = 8
 """Bytes a value of the widest type that is read before it is refused as a wrong type."""
-BINARY = {"schema": {"type": "string", "format": "binary"}}
 FOREVER = "private, max-age=31536000, immutable"
 REVALIDATED = "private, no-cache"
 HOUR = "private, max-age=3600"
@@ -63,14 +62,7 @@ Many = Annotated[
 
 @router.get(
     "/sequences/{seq}/frames/{i}/points",
-    response_class=Response,
-    responses={
-        200: {
-            "description": "Points",
-            "content": {npy.MEDIA_TYPE: BINARY, "application/zip": BINARY},
-        },
-        **responses(404),
-    },
+    **file_responses("Points", npy.MEDIA_TYPE, "application/zip"),
 )
 def get_points(
     seq: SequenceId,
@@ -106,12 +98,7 @@ def _column(workspace: Workspace, seq: str, i: int, name: str) -> Iterator[NDArr
 
 @router.get(
     "/sequences/{seq}/frames/{i}/annotation",
-    response_class=Response,
-    responses={
-        200: {"description": "One value a point", "content": {npy.MEDIA_TYPE: BINARY}},
-        304: {"description": "Not modified"},
-        **responses(404),
-    },
+    **file_responses("One value a point", npy.MEDIA_TYPE, cached=True),
 )
 def get_annotation(
     seq: SequenceId,
@@ -203,18 +190,12 @@ def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
     """Return the position, the points and the dequantisation of each wire chunk."""
     recording = workspace.recording(seq)
     frame = recording[i]
-    rows = tuple(map(Chunk.of, frame.chunks))
-    return ChunkTable(i, frame.count, recording.identity, rows)
+    return ChunkTable(i, frame.count, recording.identity, tuple(frame.chunks))
 
 
 @router.get(
     "/sequences/{seq}/frames/{i}/chunks/{c}",
-    response_class=Response,
-    responses={
-        200: {"description": "Encoded points", "content": {"application/octet-stream": BINARY}},
-        304: {"description": "Not modified"},
-        **responses(404),
-    },
+    **file_responses("Encoded points", "application/octet-stream", cached=True),
 )
 def get_chunk(
     seq: SequenceId,
@@ -241,11 +222,7 @@ def get_chunk(
     return Response(bytes(data), media_type="application/octet-stream", headers=headers)
 
 
-@router.get(
-    "/sequences/{seq}/frames/{i}/thumbnail",
-    response_class=Response,
-    responses={200: {"description": "A JPEG", "content": {"image/jpeg": BINARY}}, **responses(404)},
-)
+@router.get("/sequences/{seq}/frames/{i}/thumbnail", **file_responses("A JPEG", "image/jpeg"))
 def get_thumbnail(
     seq: SequenceId,
     i: FramePath,
@@ -267,15 +244,7 @@ def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[Camera]:
 
 @router.get(
     "/sequences/{seq}/frames/{i}/images/{camera}",
-    response_class=Response,
-    responses={
-        200: {
-            "description": "The picture as it came",
-            "content": dict.fromkeys(MEDIA_TYPES.values(), BINARY),
-        },
-        304: {"description": "Not modified"},
-        **responses(404),
-    },
+    **file_responses("The picture as it came", *MEDIA_TYPES.values(), cached=True),
 )
 def get_image(
     seq: SequenceId,

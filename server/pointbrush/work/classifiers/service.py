@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -22,7 +22,6 @@ from pointbrush.classify.classifier import (
 )
 from pointbrush.classify.models import BUILT_IN, Models
 from pointbrush.classify.options import MOST_IGNORED
-from pointbrush.classify.reliability import HeldOut
 from pointbrush.classify.smoothing import Chances
 from pointbrush.database.class_names import ClassNames
 from pointbrush.errors import BadInputError, NotFoundError
@@ -30,7 +29,8 @@ from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.values.classifiers import Place, Start
+from pointbrush.values import classifiers as values
+from pointbrush.values.classifiers import HeldOut, Place, Start
 from pointbrush.work.classifiers.asking import Questions
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
@@ -47,24 +47,6 @@ SCORED_POINTS = 2_000
 """Points of such a frame, evenly chosen in stored order."""
 FEWEST_CLASSES = 2
 """Classes of a recording from which others can start."""
-
-
-@dataclass(frozen=True, slots=True)
-class About:
-    """Description of a classifier; ``taught_by``: number of examples by recording."""
-
-    id: str
-    name: str
-    classes: tuple[str, ...]
-    taught_by: Mapping[str, int]
-    examples: Mapping[str, int]
-    score: float | None
-    cell: float
-    model: str
-    imported: bool
-    held_out: Mapping[str, HeldOut]
-    above: float
-    start_from: tuple[str, ...]
 
 
 class Classifiers:
@@ -99,7 +81,7 @@ class Classifiers:
 
     # ── management ───────────────────────────────────────────────────────────────────────
 
-    def listing(self) -> list[About]:
+    def listing(self) -> list[values.Classifier]:
         """Return all classifiers, by id; unreadable files are left out."""
         found = []
         for identifier in self._files.ids():
@@ -109,14 +91,14 @@ class Classifiers:
                 continue
         return found
 
-    def about(self, identifier: str) -> About:
+    def about(self, identifier: str) -> values.Classifier:
         """Return the description of a classifier; raises NotFoundError."""
         return _about(identifier, self._read(identifier)[1])
 
     def create(
         self, name: str, recordings: Sequence[str], classes: Sequence[str] | None = None,
         model: str = BUILT_IN, imported: bool = False, start_from: Sequence[str] = (),
-    ) -> About:  # fmt: skip
+    ) -> values.Classifier:  # fmt: skip
         """Create a classifier, trained on painted points of recordings.
 
         ``classes``: by default the model's, or all of the recordings' palettes; ``model``: name of
@@ -144,7 +126,7 @@ class Classifiers:
             self._write(identifier, made, self._store.class_names())
         return self.teach(identifier, recordings)
 
-    def teach(self, identifier: str, recordings: Sequence[str] = ()) -> About:
+    def teach(self, identifier: str, recordings: Sequence[str] = ()) -> values.Classifier:
         """Train on the current painted points, also of ``recordings``, and store the result."""
         self._require_writable()
         for each in recordings:
@@ -205,7 +187,7 @@ class Classifiers:
         """Return the bytes of a classifier's current file, without ignored places."""
         return to_file(replace(self._read(identifier)[1], ignored=()))
 
-    def import_file(self, data: bytes, name: str | None = None) -> About:
+    def import_file(self, data: bytes, name: str | None = None) -> values.Classifier:
         """Import a classifier's file; raises BadInputError for an invalid file."""
         self._require_writable()
         given, names = from_file(data), self._store.class_names()
@@ -401,9 +383,9 @@ def _local(recording: Recording, place: Sequence[float]) -> tuple[float, float, 
     return x, y, z
 
 
-def _about(identifier: str, classifier: Classifier) -> About:
+def _about(identifier: str, classifier: Classifier) -> values.Classifier:
     counts = dict(zip(classifier.classes, classifier.counts.tolist(), strict=True))
-    return About(
+    return values.Classifier(
         identifier, classifier.name, classifier.classes, classifier.taught_by, counts,
         classifier.score, classifier.size, classifier.model,
         classifier.imported, dict(zip(classifier.classes, _held_out(classifier), strict=True)),

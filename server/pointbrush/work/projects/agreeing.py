@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -18,7 +18,7 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork import matching
 from pointbrush.teamwork.copies import Copy
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.team.tasks import Disagreement, Region, Score
+from pointbrush.values.team.tasks import CopyAgreement, Disagreement, Region, Score
 from pointbrush.work.library import Library
 from pointbrush.work.reviewing import comparing
 
@@ -30,23 +30,13 @@ FEWEST = 3
 """Minimum number of people for a majority."""
 
 
-@dataclass(frozen=True, slots=True)
-class Pair:
-    """Agreement of two copies: by points, and disagreements, largest first."""
-
-    first: str
-    second: str
-    agreement: comparing.Agreement
-    places: Sequence[Disagreement]
-
-
 class Agreeing:
     """Comparison of several people's labels of the same points; thread-safe."""
 
     def __init__(self, store: WorkspaceStore, library: Library) -> None:
         self._store, self._library = store, library
 
-    def compare(self, project: str, sequence: str) -> list[Pair]:
+    def compare(self, project: str, sequence: str) -> list[CopyAgreement]:
         """Compare each pair of copies of a recording in the frames that both have handed in."""
         recording = self._library.recording(sequence)
         copies = self._copies(project, sequence)
@@ -56,7 +46,9 @@ class Agreeing:
             pairs.append(self._pair(recording, one, other, frames))
         return pairs
 
-    def _pair(self, recording: Recording, one: Copy, other: Copy, frames: Sequence[int]) -> Pair:
+    def _pair(
+        self, recording: Recording, one: Copy, other: Copy, frames: Sequence[int]
+    ) -> CopyAgreement:
         known = [self._palette(each) for each in (one.id, other.id, one.original)]
         classes = [{n: _class(label) for n, label in each.items()} for each in known]
         counted, places = {}, []
@@ -77,7 +69,8 @@ class Agreeing:
                     Disagreement(found.kind, frame, *called, ends, found.points, has, place)
                 )
         places.sort(key=lambda each: (-each.points, each.frame))
-        return Pair(one.id, other.id, comparing.agreement(counted, *classes[:2]), places)
+        agreement = comparing.agreement(counted, *classes[:2])
+        return CopyAgreement(one.id, other.id, agreement, tuple(places))
 
     def merge(
         self,

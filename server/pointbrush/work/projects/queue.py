@@ -14,8 +14,8 @@ from pointbrush.teamwork.access import COMPARES
 from pointbrush.teamwork.copies import CopyKind
 from pointbrush.teamwork.rules import Person, fulfilled
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.teamwork.tasks import Stretch, Task, TaskEvent, Wanted, unknown_task
-from pointbrush.values.team.tasks import NewTasks, TaskPatch
+from pointbrush.teamwork.tasks import Stretch, Task, Wanted, unknown_task
+from pointbrush.values.team.tasks import NewTasks, TaskEvent, TaskPatch
 from pointbrush.work.exporting import parse_frames
 
 MOST_PEOPLE = 9
@@ -128,7 +128,7 @@ class Queue:
         self.get(project, number, who)
         name = self._name
         return [
-            replace(each, author=name(each.author), assignee=name(each.assignee))
+            replace(each, by=name(each.by), assignee=name(each.assignee))
             for each in self._store.team.tasks.history(project, number)
         ]
 

@@ -11,9 +11,9 @@ from pointbrush.accounts.roles import Role, includes
 from pointbrush.teamwork.access import COMPARES, Sight
 from pointbrush.teamwork.projects import Project
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.teamwork.summaries import Counts, Effort, Figures
+from pointbrush.teamwork.summaries import Counts, Effort
 from pointbrush.values.kinds import TaskState
-from pointbrush.values.team.projects import ProjectPatch
+from pointbrush.values.team.projects import ProjectPatch, Statistics
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
@@ -60,7 +60,7 @@ class Projects:
         sight = self._sight(account, compares)
         return sight, self._store.team.summaries.tasks(sight.hidden)
 
-    def statistics(self, project: str, account: str, role: Role) -> Figures:
+    def statistics(self, project: str, account: str, role: Role) -> Statistics:
         """Return points, objects and times of a project by class and person, with names of people.
 
         Recordings that are hidden from the account, such as ground truth, are excluded.
@@ -71,7 +71,7 @@ class Projects:
         sight = self._sight(account, includes(role, COMPARES))
         found = self._store.team.summaries.figures(project, effort, sight.hidden)
         name = self._store.accounts.name
-        people = [replace(each, account=name(each.account)) for each in found.people]
+        people = [replace(each, name=name(each.name)) for each in found.people]
         return replace(found, people=tuple(people))
 
     def create(

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.labels import Label
-from pointbrush.labels.versions import Moment, PastLabels, Version
+from pointbrush.labels.versions import Moment, PastLabels
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.team.snapshots import (
     Difference,
     DifferenceKind,
     FrameDifference,
     LabelDifference,
+    Snapshot,
 )
 from pointbrush.work.annotate.layers import READ_POINTS
 from pointbrush.work.reviewing.comparing import pairs
@@ -34,7 +35,7 @@ class Versions:
     def __init__(self, store: WorkspaceStore) -> None:
         self._store = store
 
-    def create(self, project: str, name: str, author: str) -> Version:
+    def create(self, project: str, name: str, author: str) -> Snapshot:
         """Create a version of a project's current labels."""
         there = {
             version.id
@@ -44,12 +45,12 @@ class Versions:
         wanted = next(each for each in ids_for(name) if each not in there)
         return self._named(self._store.versions.create(project, wanted, name, author))
 
-    def all(self, project: str) -> list[Version]:
+    def all(self, project: str) -> list[Snapshot]:
         """Return the versions of a project, newest first."""
         self._store.team.projects.get(project)
         return [self._named(each) for each in self._store.versions.all(project)]
 
-    def get(self, project: str, version: str) -> Version:
+    def get(self, project: str, version: str) -> Snapshot:
         """Return a version."""
         return self._named(self._store.versions.get(project, version))
 
@@ -91,7 +92,7 @@ class Versions:
         differing = tuple(each for each in found if each is not None)
         return Difference(sequence, tuple(_labels(*moments)), differing)
 
-    def _named(self, version: Version) -> Version:
+    def _named(self, version: Snapshot) -> Snapshot:
         return replace(version, author=self._store.accounts.name(version.author))
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from pointbrush.values.team.review import BoxAgreement
-from pointbrush.work.reviewing.checking import Checked
-from pointbrush.work.reviewing.checks.finding import KINDS, Finding, Kind
-from pointbrush.work.reviewing.comparing import Agreement, By
+from pointbrush.values.team.review import Agreement, BoxAgreement, Checked, Finding
+from pointbrush.work.reviewing.checks.finding import KINDS, Kind
+from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.report.gather import TABLES, Table, to_csv
 from pointbrush.work.reviewing.report.html import POLICY, to_html
 from pointbrush.work.reviewing.reviewing import Reviewing

@@ -12,9 +12,10 @@ from pointbrush.errors import DamagedError
 from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.labels import LabelStore
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.team.review import Finding
 from pointbrush.work.reviewing.checks import boxes as checks
 from pointbrush.work.reviewing.checks.boxes import BoxSketch, sketch_boxes
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding
+from pointbrush.work.reviewing.checks.finding import CheckOptions
 
 REMEMBERED = 20_000
 """Limit of cached sketches of frames."""

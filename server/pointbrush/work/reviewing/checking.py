@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,10 +13,11 @@ from pointbrush.errors import DamagedError
 from pointbrush.labels import FrameValues, Label, LabelStore
 from pointbrush.labels.types import PREDICTED
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.team.review import Checked, Finding
 from pointbrush.work.reviewing.box_checking import BoxChecker
 from pointbrush.work.reviewing.checks import counting, positions
 from pointbrush.work.reviewing.checks.counting import Counts
-from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, Finding, grouped
+from pointbrush.work.reviewing.checks.finding import KINDS, CheckOptions, grouped
 from pointbrush.work.reviewing.checks.positions import Sketch, sketch_frame
 
 REMEMBERED = 8
@@ -28,14 +29,6 @@ Unsure = Mapping[int, tuple[int, int]]
 """By label: number of low-confidence predicted points, and of all predicted ones, if many are."""
 Looked = tuple[int, Mapping[int, Sketch], Unsure]
 """The last changed revision of a frame at its check, and the results."""
-
-
-@dataclass(frozen=True, slots=True)
-class Checked:
-    """Findings in their order, and sentences about unchecked parts."""
-
-    findings: Sequence[Finding]
-    unchecked: Sequence[str] = field(default_factory=tuple)
 
 
 class Checker:
@@ -67,7 +60,7 @@ class Checker:
         found.extend(self._boxes.check(recording, frames, names, unchecked))
         inside = [each for each in found if each.first is None or each.first in frames]
         placed = [_placed(each, sketches) for each in grouped(inside)]
-        return Checked(sorted(placed, key=_order), unchecked)
+        return Checked(tuple(sorted(placed, key=_order)), tuple(unchecked))
 
     def _sketches(
         self, recording: Recording, counts: Mapping[int, Counts], frames: range

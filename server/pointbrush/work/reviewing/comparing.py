@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal
 
@@ -16,7 +15,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import source_blocks
-from pointbrush.values.team.review import FrameAgreement
+from pointbrush.values.team.review import Agreement, FrameAgreement, LabelAgreement
 from pointbrush.work.annotate.layers import KeptAnnotation
 
 Names = Mapping[int, str]
@@ -34,44 +33,6 @@ BACKGROUND = (17, 19, 24)
 By = Literal["name", "category"]
 SAME_PLACE = 1e-3
 """Allowed difference between bounds of two imports of the same points, metres."""
-
-
-@dataclass(frozen=True, slots=True)
-class LabelAgreement:
-    """Number of points with this label name in the first, the second, and both; ``iou`` 0..1."""
-
-    name: str
-    first: int
-    second: int
-    both: int
-
-    @property
-    def iou(self) -> float:
-        """Return the intersection over union."""
-        return self.both / max(1, self.first + self.second - self.both)
-
-
-@dataclass(frozen=True, slots=True)
-class Agreement:
-    """Agreement by label name and by frame; ``miou``: mean over all used names.
-
-    ``same``: share of the points labelled in either that have the same label in both.
-    """
-
-    labels: Sequence[LabelAgreement]
-    frames: Sequence[FrameAgreement]
-
-    @property
-    def miou(self) -> float | None:
-        """Return the mean of the labels' IoU; None: no labels."""
-        return float(np.mean([each.iou for each in self.labels])) if self.labels else None
-
-    @property
-    def same(self) -> float | None:
-        """Return the share of labelled points that agree; None: no labelled points."""
-        labelled = sum(each.labelled for each in self.frames)
-        differ = sum(each.differ for each in self.frames)
-        return 1 - differ / labelled if labelled else None
 
 
 def pairs(first: NDArray[np.uint16], second: NDArray[np.uint16]) -> Counter[tuple[int, int]]:
@@ -106,8 +67,18 @@ def agreement(
                 differ += points
         by_frame.append(FrameAgreement(frame, labelled, differ))
     names = sorted((alone[0].keys() | alone[1].keys()) - {""}, key=str.lower)
-    labels = [LabelAgreement(n, alone[0][n], alone[1][n], both[n]) for n in names]
-    return Agreement(labels, by_frame)
+    labels = tuple(_label(n, alone[0][n], alone[1][n], both[n]) for n in names)
+    labelled, differ = (sum(getattr(f, n) for f in by_frame) for n in ("labelled", "differ"))
+    return Agreement(
+        miou=float(np.mean([each.iou for each in labels])) if labels else None,
+        same=1 - differ / labelled if labelled else None,
+        labels=labels,
+        frames=tuple(by_frame),
+    )
+
+
+def _label(name: str, first: int, second: int, both: int) -> LabelAgreement:
+    return LabelAgreement(name, both / max(1, first + second - both), first, second, both)
 
 
 class Difference(IntEnum):

@@ -10,13 +10,12 @@ from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.team.review import BoxAgreement
+from pointbrush.values.team.review import Agreement, BoxAgreement, Checked, Finding
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.box_comparing import compare_boxes
-from pointbrush.work.reviewing.checking import Checked, Checker
-from pointbrush.work.reviewing.checks.finding import Finding
-from pointbrush.work.reviewing.comparing import Agreement, By
+from pointbrush.work.reviewing.checking import Checker
+from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.report.gather import Report, gather
 from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
 
@@ -92,8 +91,8 @@ class Reviewing:
         recording = self._recording(sequence)
         found = self._checker.check(recording, parse_frames(frames, len(recording)))
         overview = self.overview(sequence)
-        settled = [replace(one, settled=_is_settled(one, overview)) for one in found.findings]
-        return replace(found, findings=settled)
+        settled = (replace(one, settled=_is_settled(one, overview)) for one in found.findings)
+        return replace(found, findings=tuple(settled))
 
     def agreement(
         self, sequence: str, other: str, by: By = "name", frames: str | None = None

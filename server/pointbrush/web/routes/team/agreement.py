@@ -10,9 +10,7 @@ from pointbrush.values.edits import Edit
 from pointbrush.values.team.tasks import CopyAgreement, CopyMerge, Score
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
-from pointbrush.web.routes.team.checks import agreement_of
 from pointbrush.web.security.auth import Caller, resource
-from pointbrush.work.projects.agreeing import Pair
 
 router = resource("agreement")
 Whole = Annotated[
@@ -23,7 +21,7 @@ Whole = Annotated[
 @router.get("/projects/{p}/agreement", responses=responses(404))
 def get_agreement(p: ProjectId, sequence: Whole, workspace: Ws) -> list[CopyAgreement]:
     """Compare the copies of a recording in pairs, in frames that both people have submitted."""
-    return [_pair(each) for each in workspace.agreeing.compare(p, sequence)]
+    return workspace.agreeing.compare(p, sequence)
 
 
 @router.post("/projects/{p}/merge", responses=responses(404, 409, 413))
@@ -38,8 +36,3 @@ def merge(p: ProjectId, body: CopyMerge, workspace: Ws, who: Caller) -> Edit:
 def get_scores(p: ProjectId, workspace: Ws) -> list[Score]:
     """Compare the submitted labels of each person with the ground truth, the best first."""
     return workspace.agreeing.scores(p)
-
-
-def _pair(found: Pair) -> CopyAgreement:
-    agreement = agreement_of(found.agreement)
-    return CopyAgreement.of(found, agreement=agreement, places=tuple(found.places))

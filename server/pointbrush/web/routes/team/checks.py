@@ -5,20 +5,19 @@ Two annotators agree on recordings of the same points, labelled twice.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from fastapi import Query, Response
 
-from pointbrush.values.team.review import Agreement, BoxAgreement, Checked, Finding, LabelAgreement
+from pointbrush.values.team.review import Agreement, Checked
 from pointbrush.web.context import FramePath, SequenceId, Ws
-from pointbrush.web.problems import responses
+from pointbrush.web.problems import file_responses, responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
-from pointbrush.work import reviewing
 from pointbrush.work.reviewing import (
     POLICY,
     By,
     Table,
-    comparing,
     to_csv,
     to_html,
 )
@@ -48,7 +47,7 @@ def get_checks(
 
     Also boxes that jump, overlap, change their size, float, or lie apart from their points.
     """
-    return _checked(workspace.reviewing.checks(seq, frames))
+    return workspace.reviewing.checks(seq, frames)
 
 
 @router.get("/sequences/{seq}/agreement", responses=responses(404))
@@ -70,20 +69,10 @@ def get_agreement(
     gate.require_seen(who, other)
     found = workspace.reviewing.agreement(seq, other, by, frames)
     compared = workspace.reviewing.box_agreement(seq, other, frames) if boxes else None
-    return agreement_of(found, compared)
+    return replace(found, boxes=compared)
 
 
-@router.get(
-    "/sequences/{seq}/frames/{i}/agreement",
-    response_class=Response,
-    responses={
-        200: {
-            "description": "The frame from above",
-            "content": {PNG: {"schema": {"type": "string", "format": "binary"}}},
-        },
-        **responses(404),
-    },
-)
+@router.get("/sequences/{seq}/frames/{i}/agreement", **file_responses("The frame from above", PNG))
 def get_difference(
     seq: SequenceId,
     i: FramePath,
@@ -126,13 +115,3 @@ def get_report(
         return Response(to_html(report), media_type="text/html", headers=headers)
     headers = {"Content-Disposition": f'attachment; filename="{seq}-{table}.csv"'}
     return Response(to_csv(report, table), media_type="text/csv", headers=headers)
-
-
-def _checked(found: reviewing.Checked) -> Checked:
-    return Checked(tuple(map(Finding.of, found.findings)), tuple(found.unchecked))
-
-
-def agreement_of(found: comparing.Agreement, boxes: BoxAgreement | None = None) -> Agreement:
-    """Return the agreement of two annotations, with their boxes if these were compared."""
-    labels = tuple(map(LabelAgreement.of, found.labels))
-    return Agreement.of(found, labels=labels, frames=tuple(found.frames), boxes=boxes)

@@ -6,9 +6,7 @@ from fastapi import Response
 
 from pointbrush.values.kinds import time_of
 from pointbrush.values.team.projects import (
-    ClassFigures,
     NewProject,
-    PersonFigures,
     ProjectInfo,
     ProjectPatch,
     Statistics,
@@ -44,20 +42,7 @@ def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectInfo:
 @router.get("/projects/{p}/statistics", responses=responses(404))
 def get_statistics(p: ProjectId, workspace: Ws, who: Caller) -> Statistics:
     """Return points, objects and hours of a project by class and by person, from its edits."""
-    found = workspace.projects.statistics(p, who.author, who.role)
-    classes = tuple(ClassFigures.of(each, hours=each.seconds / 3600) for each in found.classes)
-    people = tuple(
-        PersonFigures.of(each, name=each.account, hours=each.seconds / 3600)
-        for each in found.people
-    )
-    return Statistics.of(
-        found,
-        points=sum(each.points for each in classes),
-        objects=sum(each.objects for each in classes),
-        hours=sum(each.hours for each in people),
-        classes=classes,
-        people=people,
-    )
+    return workspace.projects.statistics(p, who.author, who.role)
 
 
 @router.patch("/projects/{p}", responses=responses(404, 409, 413))

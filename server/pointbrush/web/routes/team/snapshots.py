@@ -6,8 +6,6 @@ from typing import Annotated
 
 from fastapi import Path, Query, Response
 
-from pointbrush.labels.versions import Version
-from pointbrush.values.kinds import time_of
 from pointbrush.values.team.snapshots import Difference, NewSnapshot, Snapshot
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
@@ -20,7 +18,7 @@ SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description
 @router.get("/projects/{p}/snapshots", responses=responses(404))
 def list_snapshots(p: ProjectId, workspace: Ws) -> list[Snapshot]:
     """List the versions of a project's labels, the newest first."""
-    return [_snapshot(each) for each in workspace.versions.all(p)]
+    return workspace.versions.all(p)
 
 
 @router.post("/projects/{p}/snapshots", status_code=201, responses=responses(404, 409, 413))
@@ -30,13 +28,13 @@ def create_snapshot(
     """Store the current labels of a project as a named version."""
     made = workspace.versions.create(p, body.name, who.author)
     response.headers["Location"] = f"/api/v1/projects/{p}/snapshots/{made.id}"
-    return _snapshot(made)
+    return made
 
 
 @router.get("/projects/{p}/snapshots/{s}", responses=responses(404))
 def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> Snapshot:
     """Return a version."""
-    return _snapshot(workspace.versions.get(p, s))
+    return workspace.versions.get(p, s)
 
 
 @router.delete("/projects/{p}/snapshots/{s}", status_code=204, responses=responses(404))
@@ -69,7 +67,3 @@ def get_difference(
     found = workspace.versions.difference(p, s, other, sequence)
     roles = gate.roles_in(who, (each.sequence for each in found))
     return [each for each in found if each.sequence in roles]
-
-
-def _snapshot(found: Version) -> Snapshot:
-    return Snapshot.of(found, created=time_of(found.created))

@@ -7,10 +7,9 @@ from typing import Annotated
 from fastapi import Path, Query
 
 from pointbrush.accounts.roles import require
-from pointbrush.teamwork import tasks
 from pointbrush.teamwork.rules import Person as Asker
 from pointbrush.teamwork.tasks import Wanted
-from pointbrush.values.kinds import TaskState, time_of
+from pointbrush.values.kinds import TaskState
 from pointbrush.values.team.tasks import NewTasks, NextTask, Task, TaskEvent, TaskPatch
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
 from pointbrush.web.problems import responses
@@ -40,7 +39,7 @@ def list_tasks(
 ) -> list[Task]:
     """List the tasks of a project by number; annotators do not see copies of other people."""
     wanted = Wanted(state, person, sequence, after, limit)
-    return [_task(task) for task in workspace.queue.entries(p, wanted, _asker(who))]
+    return [*workspace.queue.entries(p, wanted, _asker(who))]
 
 
 @router.post("/projects/{p}/tasks", status_code=201, responses=responses(404, 409, 413))
@@ -50,7 +49,7 @@ def create_tasks(p: ProjectId, body: NewTasks, workspace: Ws, who: Caller) -> li
     Frames with a task that is not accepted yet get no second task (409).  With an ``id`` the call
     can be repeated.
     """
-    return [_task(task) for task in workspace.queue.add(p, who.author, body)]
+    return [*workspace.queue.add(p, who.author, body)]
 
 
 @router.post("/projects/{p}/tasks/next", responses=responses(404, 413))
@@ -65,14 +64,13 @@ def next_task(
     review = body is not None and body.work == "review"
     if review:
         require(who.role, DECIDE)
-    task = workspace.queue.next(p, who.author, review=review)
-    return None if task is None else _task(task)
+    return workspace.queue.next(p, who.author, review=review)
 
 
 @router.get("/projects/{p}/tasks/{t}", responses=responses(404))
 def get_task(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> Task:
     """Return a task."""
-    return _task(workspace.queue.get(p, t, _asker(who)))
+    return workspace.queue.get(p, t, _asker(who))
 
 
 @router.patch("/projects/{p}/tasks/{t}", responses=responses(404, 409, 413))
@@ -82,7 +80,7 @@ def patch_task(p: ProjectId, t: TaskNumber, body: TaskPatch, workspace: Ws, who:
     Accepting, returning and notes need the role reviewer and a task of another person; assigning
     tasks to people needs the role manager.
     """
-    return _task(workspace.queue.change(p, t, _asker(who), body))
+    return workspace.queue.change(p, t, _asker(who), body)
 
 
 @router.delete("/projects/{p}/tasks/{t}", status_code=204, responses=responses(404))
@@ -94,12 +92,4 @@ def delete_task(p: ProjectId, t: TaskNumber, workspace: Ws) -> None:
 @router.get("/projects/{p}/tasks/{t}/history", responses=responses(404))
 def get_task_history(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> list[TaskEvent]:
     """List the changes of a task, the newest first."""
-    return [_event(each) for each in workspace.queue.history(p, t, _asker(who))]
-
-
-def _task(found: tasks.Task) -> Task:
-    return Task.of(found, created=time_of(found.created), changed=time_of(found.changed))
-
-
-def _event(found: tasks.TaskEvent) -> TaskEvent:
-    return TaskEvent.of(found, at=time_of(found.time), by=found.author)
+    return workspace.queue.history(p, t, _asker(who))

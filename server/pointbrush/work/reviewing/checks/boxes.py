@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from pointbrush.geometry.box_overlap import shared_volume
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind, usual_step
+from pointbrush.values.team.review import Finding
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Kind, finding, usual_step
 from pointbrush.work.reviewing.checks.positions import Place, as_place
 
 F64 = NDArray[np.float64]
@@ -208,7 +209,7 @@ def around(
                 yield _finding("box_ground", text, by_id[number], frame)
         for label, (lost, every, place) in found.outside.items():
             text = f"{lost:,} of {every:,} points of “{names[label]}” lie outside its box"
-            yield Finding("box_outside", text, (label,), frame, frame, place)
+            yield finding("box_outside", text, (label,), frame, frame, place)
 
 
 def _is_hidden(box: OrientedBox, frame: int) -> bool:
@@ -220,4 +221,4 @@ def _finding(
     kind: Kind, text: str, box: OrientedBox, frame: int, labels: tuple[int, ...] = ()
 ) -> Finding:
     place = as_place(box.poses[frame].centre)
-    return Finding(kind, text, labels or (box.label,), frame, frame, place)
+    return finding(kind, text, labels or (box.label,), frame, frame, place)

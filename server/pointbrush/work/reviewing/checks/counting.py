@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.labels import Label
+from pointbrush.values.team.review import Finding
 from pointbrush.work.doubts import is_doubtful
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, Kind
+from pointbrush.work.reviewing.checks.finding import CheckOptions, Kind, finding
 
 NAMED = 3
 """Limit of labels named in a finding."""
@@ -33,7 +34,7 @@ def same_names(palette: Sequence[Label], counts: Mapping[int, Counts]) -> Iterat
             where = [int(np.flatnonzero(counts[n])[0]) for n in ids if counts[n].any()]
             frame = where[-1] if where else None
             text = f"{len(labels)} labels are called “{labels[0].name}”"
-            yield Finding("name", text, ids, frame, frame)
+            yield finding("name", text, ids, frame, frame)
 
 
 def no_category(
@@ -55,7 +56,7 @@ def _without(kind: Kind, labels: Sequence[Label], lacking: str) -> Finding:
     more = f" and {len(labels) - NAMED} more" if len(labels) > NAMED else ""
     have = "has" if len(labels) == 1 else "have"
     ids = tuple(label.id for label in labels)
-    return Finding(kind, f"{names}{more} {have} {lacking}", ids)
+    return finding(kind, f"{names}{more} {have} {lacking}", ids)
 
 
 def few_points(
@@ -69,7 +70,7 @@ def few_points(
         mine = counts[label.id]
         for frame in np.flatnonzero((mine > 0) & (mine <= options.few_points)).tolist():
             points = "1 point" if mine[frame] == 1 else f"{mine[frame]} points"
-            yield Finding("few", f"“{label.name}” has only {points}", (label.id,), frame, frame)
+            yield finding("few", f"“{label.name}” has only {points}", (label.id,), frame, frame)
 
 
 def empty_frames(counts: Mapping[int, Counts], frames: int, options: CheckOptions) -> list[int]:
@@ -93,14 +94,14 @@ def unlike_neighbours(
     """
     empty = empty_frames(counts, frames, options)
     for frame in empty:
-        yield Finding("unlike", "no labels here, but in the neighbouring frames", (), frame, frame)
+        yield finding("unlike", "no labels here, but in the neighbouring frames", (), frame, frame)
     for label in palette:
         mine = counts[label.id]
         known = excused.get(label.id, set()) | set(empty)
         for frame in _holes(mine > 0, options.gap):
             if frame not in known:
                 text = f"“{label.name}” is missing here, but not in the neighbouring frames"
-                yield Finding("unlike", text, (label.id,), frame, frame)
+                yield finding("unlike", text, (label.id,), frame, frame)
         yield from _odd_counts(label, mine, known, options)
 
 
@@ -116,7 +117,7 @@ def unsure_points(
         for label, (few, every) in labels.items():
             if label in names:
                 text = f"“{names[label]}”: {few:,} of {every:,} predicted points are unsure"
-                yield Finding("predicted", text, (label,), frame, frame)
+                yield finding("predicted", text, (label,), frame, frame)
 
 
 def returns(
@@ -140,7 +141,7 @@ def returns(
             start = range(first, min(first + options.returned, last + 1))
             if all(is_doubtful(mine[frame]) for frame in start):
                 text = f"Is this still “{names[label]}”? It was out of sight before."
-                yield Finding("returned", text, (label,), first, last)
+                yield finding("returned", text, (label,), first, last)
 
 
 def _odd_counts(
@@ -157,7 +158,7 @@ def _odd_counts(
             continue
         if not options.share <= mine[frame] / usual <= 1 / options.share:
             text = f"“{label.name}” has {mine[frame]:,} points here, about {usual:,.0f} nearby"
-            yield Finding("unlike", text, (label.id,), frame, frame)
+            yield finding("unlike", text, (label.id,), frame, frame)
 
 
 def _holes(there: NDArray[np.bool_], longest: int) -> list[int]:

@@ -3,38 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from statistics import median
 from typing import get_args
 
-from pointbrush.values.team.review import FindingKind
+from pointbrush.values.team.review import Finding, FindingKind
 
 Kind = FindingKind
 KINDS: tuple[Kind, ...] = get_args(get_args(Kind)[0])
 
 
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A suspicious place or label.
-
-    ``labels``         its labels; () for a finding about frames.
-    ``first``, ``last``  its frames, both included; None for a finding about the palette.
-    ``place``          its position in frame ``first``, source coordinates in metres, or None.
-    ``settled``        a reviewer has accepted its frames or label, unchanged since.
-    """
-
-    kind: Kind
-    text: str
-    labels: tuple[int, ...] = ()
-    first: int | None = None
-    last: int | None = None
-    place: tuple[float, float, float] | None = None
-    settled: bool = False
-
-    @property
-    def id(self) -> str:
-        """Return an id that is unique within the recording and stable over checks."""
-        return "-".join(map(str, (self.kind, *self.labels, self.first, self.last)))
+def finding(
+    kind: Kind,
+    text: str,
+    labels: tuple[int, ...] = (),
+    first: int | None = None,
+    last: int | None = None,
+    place: tuple[float, float, float] | None = None,
+) -> Finding:
+    """Return a finding with an id that is unique in the recording and stable over checks."""
+    identifier = "-".join(map(str, (kind, *labels, first, last)))
+    return Finding(identifier, kind, text, labels, first, last, place, settled=False)
 
 
 def grouped(found: Iterable[Finding]) -> list[Finding]:
@@ -48,7 +37,9 @@ def grouped(found: Iterable[Finding]) -> list[Finding]:
             and before.last is not None
             and each.first == before.last + 1
         ):
-            runs[-1] = replace(before, last=each.last)
+            runs[-1] = finding(
+                before.kind, before.text, before.labels, before.first, each.last, before.place
+            )
         else:
             runs.append(each)
     return runs

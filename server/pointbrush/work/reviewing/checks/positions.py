@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from pointbrush.labels import Label
 from pointbrush.selection.cluster import touching
-from pointbrush.work.reviewing.checks.finding import CheckOptions, Finding, usual_step
+from pointbrush.values.team.review import Finding
+from pointbrush.work.reviewing.checks.finding import CheckOptions, finding, usual_step
 
 F64 = NDArray[np.float64]
 Place = tuple[float, float, float]
@@ -122,7 +123,7 @@ def stray_points(palette: Sequence[Label], sketches: Sketches) -> Iterator[Findi
                 f"{points:,} {'point' if points == 1 else 'points'} of “{names[label]}” "
                 f"{found.stray.distance:.1f} m from the rest"
             )
-            yield Finding("stray", text, (label,), frame, frame, found.stray.place)
+            yield finding("stray", text, (label,), frame, frame, found.stray.place)
 
 
 def jumps(palette: Sequence[Label], sketches: Sketches, options: CheckOptions) -> Iterator[Finding]:
@@ -138,4 +139,4 @@ def jumps(palette: Sequence[Label], sketches: Sketches, options: CheckOptions) -
             usual = usual_step(steps, frame, options.window)
             if step > max(options.jump, options.jump_factor * usual):
                 text = f"“{label.name}” jumps {step:.1f} m from the previous frame"
-                yield Finding("jump", text, (label.id,), frame, frame, mine[frame].center)
+                yield finding("jump", text, (label.id,), frame, frame, mine[frame].center)
