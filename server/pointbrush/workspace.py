@@ -65,7 +65,7 @@ if TYPE_CHECKING:
     from pointbrush.work.projects.queue import Queue
     from pointbrush.work.projects.service import Projects
     from pointbrush.work.projects.versions import Versions
-    from pointbrush.work.reviewing import Reviewing
+    from pointbrush.work.reviewing.reviewing import Reviewing
     from pointbrush.work.scratch import Scratch
     from pointbrush.work.tracking.runs import Runs
 
@@ -278,7 +278,7 @@ class Workspace:
     @once
     def reviewing(self) -> Reviewing:
         """Return the service for reviews, checks, agreement and reports."""
-        from pointbrush.work.reviewing import Reviewing
+        from pointbrush.work.reviewing.reviewing import Reviewing
 
         return Reviewing(self.labels, self.recording)
 

@@ -206,5 +206,5 @@ def test_a_receiver_that_is_away_is_paused_and_told_everything_later(
         assert hooks.waiting() == [other.id]
         assert hooks.take(9, away.id) == []
         assert len(hooks.take(9, other.id)) == 5
-        monkeypatch.setattr(store.team.webhooks._database, "now", lambda _: paused + 60)
+        monkeypatch.setattr(store.team.webhooks._database, "now", lambda _: paused.timestamp() + 60)
         assert len(hooks.take(9, away.id)) == 5

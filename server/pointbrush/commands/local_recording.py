@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from pointbrush.values.labels import Label as CountedLabel
     from pointbrush.values.people import FoundPeople
     from pointbrush.values.recordings import Manifest
-    from pointbrush.work.reviewing import Checked, Table
+    from pointbrush.values.team.review import Checked
+    from pointbrush.work.reviewing.report.gather import Table
     from pointbrush.workspace import Workspace
 
 AUTHOR = "command line"
@@ -139,7 +140,8 @@ class LocalReview(Part):
         return reviewing.agreement(self.id, other, frames=frames)
 
     def report(self, out: Path, table: Table) -> None:
-        from pointbrush.work.reviewing import to_csv, to_html
+        from pointbrush.work.reviewing.report.gather import to_csv
+        from pointbrush.work.reviewing.report.html import to_html
 
         found = self.workspace.reviewing.report(self.id)
         text = to_html(found) if out.suffix.lower() == ".html" else to_csv(found, table)

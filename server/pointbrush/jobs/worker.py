@@ -19,7 +19,7 @@ from concurrent.futures import CancelledError as FutureCancelledError
 from contextlib import suppress
 from functools import partial
 from multiprocessing.connection import Client, Connection
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeAlias, TypeVar
 from urllib.parse import urlsplit
 
 from pointbrush.errors import BadInputError, CancelledError, PointbrushError, UnavailableError
@@ -61,11 +61,8 @@ class Channel:
             raise CancelledError("cancelled by the user")
 
 
-class Work(Protocol):
-    """Picklable work: runs in another process and returns a picklable result."""
-
-    def __call__(self, channel: Channel) -> Any:
-        """Do the work, reporting on ``channel``."""
+Work: TypeAlias = Callable[[Channel], Any]
+"""Picklable work: runs in another process, reports on a channel and returns a picklable result."""
 
 
 def local_processes(workers: int) -> ProcessPoolExecutor:

@@ -30,6 +30,7 @@ from pointbrush.labels.state import NotInMemoryError, SequenceState, visible
 from pointbrush.labels.types import EditInfo, FrameValues, GapError, Label, Progress
 from pointbrush.labels.writes import require_paintable
 from pointbrush.ranges import by_block
+from pointbrush.values.kinds import time_of
 
 MOST_NAMED = 1_000
 """Limit of sequences named in a statement; for more, the statement selects all."""
@@ -217,7 +218,7 @@ def edit_info(row: Row[Any], target: str | None = None) -> EditInfo:
         id=row.id,
         revision=row.revision,
         author=row.author,
-        time=row.time,
+        time=time_of(row.time),
         kind=row.kind,
         summary=row.summary,
         points=row.points,

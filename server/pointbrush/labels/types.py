@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pointbrush.errors import ConflictError
 from pointbrush.values import labels as values
-from pointbrush.values.edits import Edit
+from pointbrush.values.edits import Edit, PastEdit
 
 Only = Literal["any", "labeled", "unlabeled", "not_painted", "predictable"]
 PAINTED = 1
@@ -173,20 +173,10 @@ class Progress:
 
 
 @dataclass(frozen=True, slots=True)
-class EditInfo:
-    """A line of the history; ``time`` is seconds since the epoch.
+class EditInfo(PastEdit):
+    """A line of the history with the account of its author.
 
-    ``undone``: undone by its author and not redone; ``target``: the edit that an undo or redo
-    reverses.
+    ``target``: the edit that an undo or redo reverses.
     """
 
-    id: str
-    revision: int
-    author: str
-    time: float
-    kind: str
-    summary: str
-    points: int
-    frames: tuple[int, ...]
-    undone: bool
     target: str | None = None

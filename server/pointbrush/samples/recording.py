@@ -47,25 +47,20 @@ class Scene(Protocol):
     @property
     def labels(self) -> list[LabelInfo]:
         """Return the palette."""
-        ...
 
     @property
     def camera_pose(self) -> Array:
         """Return ``T_room_camera``."""
-        ...
 
     @property
     def lights(self) -> Lights:
         """Return the light."""
-        ...
 
     def still(self) -> list[Solid]:
         """List the solids that never move."""
-        ...
 
     def at(self, t: float) -> Moment:
         """Place the moving solids at time ``t``."""
-        ...
 
 
 class Lazy(Sequence[T], Generic[T]):

@@ -25,15 +25,12 @@ class Shape(Protocol):
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper corner (3,) of the solid's own box."""
-        ...
 
     def hit(self, o: Field, d: Field) -> Field:
         """(N,) ray parameter of the first meeting, inf for a miss."""
-        ...
 
     def normal(self, p: Field) -> Field:
         """(3, N) outward normals, of any length, at surface points ``p`` (3, N)."""
-        ...
 
 
 def _sphere(oc: Field, d: Field, dd: Field, radius: float) -> Field:

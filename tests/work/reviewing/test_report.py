@@ -15,6 +15,7 @@ import pytest
 from pointbrush.cli import main
 from pointbrush.labels import EditInfo
 from pointbrush.teamwork.reviews import Review
+from pointbrush.values.kinds import time_of
 from pointbrush.work.reviewing.report.gather import EffortOptions, effort_of, to_csv
 from pointbrush.work.reviewing.report.html import duration, to_html
 from pointbrush.work.reviewing.report.plots import MOST, columns
@@ -27,7 +28,7 @@ IDENTITY = np.eye(4).ravel().tolist()
 
 
 def edit(time: float, kind: str, *frames: int, author: str = "ada") -> EditInfo:
-    return EditInfo(f"{time}", int(time), author, time, kind, "", 1, frames, False)
+    return EditInfo(f"{time}", int(time), author, time_of(time), kind, "", 1, frames, False)
 
 
 def test_time_goes_to_the_frames_of_the_next_edit() -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import pytest
 
 from pointbrush.teamwork.reviews import Review
-from pointbrush.work.reviewing.states import Overview, replay, state_at
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team.review import ReviewOverview
+from pointbrush.work.reviewing.states import replay, state_at
 
 FRAMES = 10
 
 
-def told(*log: Review, changes: dict[int, int] | None = None) -> Overview:
+def told(*log: Review, changes: dict[int, int] | None = None) -> ReviewOverview:
     return replay(log, FRAMES, {1, 2}, changes or {})
 
 
@@ -32,7 +34,7 @@ def test_state_note_and_person_are_set_one_by_one() -> None:
     )
     frame = state_at(found, 2)
     assert (frame.state, frame.note, frame.place) == ("review", "open door", (1, 2, 3))
-    assert (frame.assignee, frame.by, frame.at) == ("grace", "grace", 3.0)
+    assert (frame.assignee, frame.by, frame.at) == ("grace", "grace", time_of(3.0))
     assert (state_at(found, 3).state, state_at(found, 3).by) == ("open", "")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import Query
@@ -9,7 +10,6 @@ from fastapi.concurrency import run_in_threadpool
 
 from pointbrush.labels import EditInfo
 from pointbrush.values.edits import Edit, PastEdit, Undo
-from pointbrush.values.kinds import time_of
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
@@ -61,5 +61,4 @@ def list_edits(
 
 def past_edit(edit: EditInfo, workspace: Workspace) -> PastEdit:
     """Return an edit with the name of its author."""
-    author = workspace.labels.accounts.name(edit.author)
-    return PastEdit.of(edit, author=author, time=time_of(edit.time))
+    return replace(edit, author=workspace.labels.accounts.name(edit.author))

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, partial
 
 from pointbrush.accounts.roles import Role, includes
@@ -12,25 +12,11 @@ from pointbrush.teamwork.access import COMPARES, Sight
 from pointbrush.teamwork.projects import Project
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.summaries import Counts, Effort
-from pointbrush.values.kinds import TaskState
-from pointbrush.values.team.projects import ProjectPatch, Statistics
+from pointbrush.values.kinds import TaskState, time_of
+from pointbrush.values.team.projects import ProjectInfo, ProjectPatch, Statistics
 from pointbrush.work.events import Event, SequencesChanged
 from pointbrush.work.reviewing.report.gather import MACHINE, STROKES, EffortOptions
 from pointbrush.work.trash import ids_for
-
-
-@dataclass(frozen=True, slots=True)
-class Overview:
-    """A project as seen by an account.
-
-    ``role``: of the account in it.  ``tasks``: number of tasks by state; ``people``: the same by
-    the name of the assignee ("": none).
-    """
-
-    project: Project
-    role: Role
-    tasks: Mapping[TaskState, int] = field(default_factory=dict)
-    people: Mapping[str, Mapping[TaskState, int]] = field(default_factory=dict)
 
 
 class Projects:
@@ -39,7 +25,7 @@ class Projects:
     def __init__(self, store: WorkspaceStore, publish: Callable[[Event], None]) -> None:
         self._store, self._publish = store, publish
 
-    def all(self, account: str, role: Role) -> list[Overview]:
+    def all(self, account: str, role: Role) -> list[ProjectInfo]:
         """Return the visible projects of an account, by name."""
         found, seen = [], cache(partial(self._seen, account))
         for project in self._store.team.projects.all():
@@ -48,7 +34,7 @@ class Projects:
                 found.append(self._overview(project, own, *seen(includes(own, COMPARES))))
         return found
 
-    def get(self, project: str, account: str, role: Role) -> Overview:
+    def get(self, project: str, account: str, role: Role) -> ProjectInfo:
         """Return a project for an account with ``role`` in it; raises NotFoundError."""
         seen = self._seen(account, includes(role, COMPARES))
         return self._overview(self._store.team.projects.get(project), role, *seen)
@@ -76,7 +62,7 @@ class Projects:
 
     def create(
         self, change: ProjectPatch, project: str | None, account: str, role: Role
-    ) -> Overview:
+    ) -> ProjectInfo:
         """Create a project, by default with an id derived from its name; raises ConflictError."""
         there = {each.id for each in self._store.team.projects.all()}
         wanted = project or next(name for name in ids_for(change.name or "") if name not in there)
@@ -84,7 +70,7 @@ class Projects:
         self._changed(change)
         return self.get(made.id, account, role)
 
-    def change(self, project: str, change: ProjectPatch, account: str, role: Role) -> Overview:
+    def change(self, project: str, change: ProjectPatch, account: str, role: Role) -> ProjectInfo:
         """Apply a change to a project; raises the errors of the store."""
         self._store.team.projects.change(project, change)
         self._changed(change)
@@ -100,14 +86,16 @@ class Projects:
         for sequence in change.recordings or ():
             self._publish(SequencesChanged(sequence))
 
-    def _overview(self, project: Project, role: Role, sight: Sight, counts: Counts) -> Overview:
+    def _overview(self, project: Project, role: Role, sight: Sight, counts: Counts) -> ProjectInfo:
         own = {copy for copy, home in sight.copies.items() if home == project.id}
         shown = (own | {*project.recordings}) - sight.hidden
-        project = replace(project, recordings=tuple(sorted(shown)))
         states: Counter[TaskState] = Counter()
         people: dict[str, dict[TaskState, int]] = {}
         for (account, state), count in sorted(counts.get(project.id, {}).items()):
             states[state] += count
             name = self._store.accounts.name(account) if account else ""
             people.setdefault(name, {})[state] = count
-        return Overview(project, role, dict(states), people)
+        return ProjectInfo.of(
+            project, created=time_of(project.created), role=role, recordings=tuple(sorted(shown)),
+            tasks=dict(states), people=people,
+        )  # fmt: skip

@@ -10,14 +10,21 @@ from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.values.team.review import Agreement, BoxAgreement, Checked, Finding
+from pointbrush.values.team.review import (
+    Agreement,
+    BoxAgreement,
+    Checked,
+    Finding,
+    ReviewOverview,
+    Standing,
+)
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.reviewing import comparing, states
 from pointbrush.work.reviewing.box_comparing import compare_boxes
 from pointbrush.work.reviewing.checking import Checker
 from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.report.gather import Report, gather
-from pointbrush.work.reviewing.states import STATES, Overview, Standing, accepted_all
+from pointbrush.work.reviewing.states import STATES, accepted_all
 
 SETTLED = ("open", "accepted")
 """States in which an earlier note is resolved."""
@@ -32,7 +39,7 @@ class Reviewing:
         self._store, self._recording = store, recording
         self._checker = Checker(store)
 
-    def overview(self, sequence: str) -> Overview:
+    def overview(self, sequence: str) -> ReviewOverview:
         """Return the review state of each frame and label; raises NotFoundError."""
         recording = self._recording(sequence)
         log = self._store.reviews.entries(sequence)
@@ -44,9 +51,9 @@ class Reviewing:
         names |= {entry.assignee for entry in log if entry.assignee}
         return replace(
             found,
-            frames=[self._named(each) for each in found.frames],
-            labels=[self._named(each) for each in found.labels],
-            people=sorted(names, key=str.lower),
+            frames=tuple(map(self._named, found.frames)),
+            labels=tuple(map(self._named, found.labels)),
+            people=tuple(sorted(names, key=str.lower)),
         )
 
     def frame(self, sequence: str, frame: int, label: int = 0) -> Standing:
@@ -130,7 +137,7 @@ class Reviewing:
         return replace(standing, by=self._name(standing.by)) if standing.by else standing
 
 
-def _is_settled(finding: Finding, overview: Overview) -> bool:
+def _is_settled(finding: Finding, overview: ReviewOverview) -> bool:
     """Return whether a reviewer has accepted its frames, or each of its labels, unchanged since."""
     if finding.first is None or finding.last is None:
         accepted = {each.label for each in overview.labels if each.state == "accepted"}
@@ -142,7 +149,7 @@ def _is_settled(finding: Finding, overview: Overview) -> bool:
     )
 
 
-def _require_undecided(overview: Overview, review: Review) -> None:
+def _require_undecided(overview: ReviewOverview, review: Review) -> None:
     if review.first is None or review.last is None:
         there = [each for each in overview.labels if each.label == review.label]
     else:

@@ -3,55 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.teamwork.reviews import Review
-from pointbrush.values.team.review import ReviewState
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team.review import ReviewOverview, ReviewState, Standing
 
 State = ReviewState
 STATES: tuple[State, ...] = get_args(get_args(State)[0])
 """Not reviewed; waiting for a reviewer; accepted or rejected by a reviewer."""
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """State of frames ``first`` to ``last``, or of a label.
-
-    ``first``, ``last`` are None for a label as a whole; ``label`` is 0 for the frames themselves.
-    ``by``, ``at``: the account and time (seconds since the epoch) of the last state or note.
-    ``changed``: the labels of these frames changed after ``state`` was set.
-    """
-
-    first: int | None
-    last: int | None
-    label: int
-    state: State = "open"
-    note: str = ""
-    place: tuple[float, float, float] | None = None
-    assignee: str = ""
-    by: str = ""
-    at: float | None = None
-    changed: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Overview:
-    """The review of a recording.
-
-    ``counts``  number of frames in each state.
-    ``frames``  runs of reviewed frames, by label and frame.
-    ``labels``  labels that were reviewed as a whole.
-    ``people``  names of editors, reviewers and assignees.
-    """
-
-    counts: Mapping[State, int]
-    frames: Sequence[Standing]
-    labels: Sequence[Standing]
-    people: Sequence[str] = field(default_factory=tuple)
 
 
 _FIELDS = ("state", "note", "assignee")
@@ -60,8 +23,8 @@ Marks = dict[str, NDArray[np.int32]]
 
 def replay(
     log: Sequence[Review], frames: int, palette: Collection[int], changes: Mapping[int, int]
-) -> Overview:
-    """Replay the log into the state of each frame and label of ``palette``.
+) -> ReviewOverview:
+    """Replay the log into the state of each frame and label of ``palette``, by accounts.
 
     ``changes``: the revision of the last change by frame, for changed frames.
     """
@@ -81,30 +44,34 @@ def replay(
     standings = [
         standing for label in sorted(marks) for standing in _runs(log, marks[label], label, changed)
     ]
-    return Overview(
+    return ReviewOverview(
         _counts(standings, frames),
-        standings,
-        [_standing(log, whole[label], 0, None, label) for label in sorted(whole)],
+        tuple(standings),
+        tuple(_standing(log, whole[label], 0, None, label) for label in sorted(whole)),
+        (),
     )
 
 
-def state_at(overview: Overview, frame: int, label: int = 0) -> Standing:
+def state_at(overview: ReviewOverview, frame: int, label: int = 0) -> Standing:
     """Return the review state of one frame, or of a label in it."""
     for each in overlapping(overview, frame, frame, label):
         return each
-    return Standing(frame, frame, label)
+    return Standing(
+        frame, frame, label or None, "open", note="", place=None, assignee="", by="", at=None,
+        changed=False,
+    )  # fmt: skip
 
 
-def overlapping(overview: Overview, first: int, last: int, label: int) -> Iterator[Standing]:
+def overlapping(overview: ReviewOverview, first: int, last: int, label: int) -> Iterator[Standing]:
     """Yield the states of frames ``first`` to ``last``, or of a label in them, by runs."""
     for each in overview.frames:
-        if each.label != label or each.first is None or each.last is None:
+        if (each.label or 0) != label or each.first is None or each.last is None:
             continue
         if each.first <= last and first <= each.last:
             yield each
 
 
-def accepted_all(overview: Overview, first: int, last: int, label: int) -> bool:
+def accepted_all(overview: ReviewOverview, first: int, last: int, label: int) -> bool:
     """Return whether all frames, or a label in them, are accepted and unchanged since."""
     good = sum(
         min(last, each.last) - max(first, each.first) + 1
@@ -157,13 +124,13 @@ def _standing(
     return Standing(
         first=None if last is None else first,
         last=last,
-        label=label,
+        label=label or None,
         state=log[at["state"]].state if at["state"] >= 0 else "open",  # type: ignore[arg-type]
         note=(note.note or "") if note else "",
         place=note.place if note and note.note else None,
         assignee=(log[at["assignee"]].assignee or "") if at["assignee"] >= 0 else "",
         by=log[newest].author if newest >= 0 else "",
-        at=log[newest].time if newest >= 0 else None,
+        at=time_of(log[newest].time) if newest >= 0 else None,
         changed=changed,
     )
 
@@ -171,7 +138,7 @@ def _standing(
 def _counts(standings: Sequence[Standing], frames: int) -> dict[State, int]:
     counts: dict[State, int] = dict.fromkeys(STATES, 0)
     for each in standings:
-        if each.label == 0 and each.first is not None and each.last is not None:
+        if each.label is None and each.first is not None and each.last is not None:
             counts[each.state] += each.last - each.first + 1
     counts["open"] += frames - sum(counts.values())
     return counts

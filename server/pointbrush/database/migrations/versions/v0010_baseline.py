@@ -7,8 +7,6 @@ from alembic import op
 
 revision = "0010"
 down_revision = None
-branch_labels = None
-depends_on = None
 
 Kind = type[sa.types.TypeEngine[Any]] | sa.types.TypeEngine[Any]
 

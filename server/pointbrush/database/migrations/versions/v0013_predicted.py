@@ -5,8 +5,6 @@ The tables stay; an older pointbrush, which would misread these words, refuses t
 
 revision = "0013"
 down_revision = "0012"
-branch_labels = None
-depends_on = None
 
 
 def upgrade() -> None:

@@ -14,8 +14,6 @@ from pointbrush.formats.tables.numbering import official_numbers, plain
 
 revision = "0021"
 down_revision = "0020"
-branch_labels = None
-depends_on = None
 
 CATEGORIES = sa.table(
     "categories",

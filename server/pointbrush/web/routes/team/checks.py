@@ -14,13 +14,9 @@ from pointbrush.values.team.review import Agreement, Checked
 from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import file_responses, responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
-from pointbrush.work.reviewing import (
-    POLICY,
-    By,
-    Table,
-    to_csv,
-    to_html,
-)
+from pointbrush.work.reviewing.comparing import By
+from pointbrush.work.reviewing.report.gather import Table, to_csv
+from pointbrush.work.reviewing.report.html import POLICY, to_html
 
 router = resource("review")
 PNG = "image/png"

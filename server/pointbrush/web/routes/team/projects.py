@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fastapi import Response
 
-from pointbrush.values.kinds import time_of
 from pointbrush.values.team.projects import (
     NewProject,
     ProjectInfo,
@@ -14,7 +13,6 @@ from pointbrush.values.team.projects import (
 from pointbrush.web.context import ProjectId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
-from pointbrush.work.projects.service import Overview
 
 router = resource("projects")
 
@@ -22,13 +20,13 @@ router = resource("projects")
 @router.get("/projects")
 def list_projects(workspace: Ws, who: Caller) -> list[ProjectInfo]:
     """List the projects that the caller may open, by name."""
-    return [_seen(each) for each in workspace.projects.all(who.author, who.role)]
+    return workspace.projects.all(who.author, who.role)
 
 
 @router.post("/projects", status_code=201, responses=responses(404, 409, 413))
 def create_project(body: NewProject, response: Response, workspace: Ws, who: Caller) -> ProjectInfo:
     """Create a project; its id derives from its name unless one is given."""
-    made = _seen(workspace.projects.create(body, body.id, who.author, who.role))
+    made = workspace.projects.create(body, body.id, who.author, who.role)
     response.headers["Location"] = f"/api/v1/projects/{made.id}"
     return made
 
@@ -36,7 +34,7 @@ def create_project(body: NewProject, response: Response, workspace: Ws, who: Cal
 @router.get("/projects/{p}", responses=responses(404))
 def get_project(p: ProjectId, workspace: Ws, who: Caller) -> ProjectInfo:
     """Return a project."""
-    return _seen(workspace.projects.get(p, who.author, who.role))
+    return workspace.projects.get(p, who.author, who.role)
 
 
 @router.get("/projects/{p}/statistics", responses=responses(404))
@@ -48,18 +46,10 @@ def get_statistics(p: ProjectId, workspace: Ws, who: Caller) -> Statistics:
 @router.patch("/projects/{p}", responses=responses(404, 409, 413))
 def patch_project(p: ProjectId, body: ProjectPatch, workspace: Ws, who: Caller) -> ProjectInfo:
     """Change name, roles or categories of a project, or move recordings into it."""
-    return _seen(workspace.projects.change(p, body, who.author, who.role))
+    return workspace.projects.change(p, body, who.author, who.role)
 
 
 @router.delete("/projects/{p}", status_code=204, responses=responses(404, 409))
 def delete_project(p: ProjectId, workspace: Ws) -> None:
     """Delete a project without recordings, and its tasks; the first project stays."""
     workspace.projects.remove(p)
-
-
-def _seen(found: Overview) -> ProjectInfo:
-    project = found.project
-    return ProjectInfo.of(
-        project, created=time_of(project.created), role=found.role, tasks=found.tasks,
-        people=found.people, recordings=tuple(project.recordings),
-    )  # fmt: skip

@@ -20,7 +20,6 @@ from pointbrush.web.context import FramePath, SequenceId, Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, Principal, resource
 from pointbrush.web.security.roles import ASSIGN, DECIDE
-from pointbrush.work import reviewing
 from pointbrush.workspace import Workspace
 
 router = resource("review")
@@ -30,7 +29,7 @@ DECISIONS = frozenset({"accepted", "rejected"})
 @router.get("/sequences/{seq}/review", responses=responses(404))
 def get_review(seq: SequenceId, workspace: Ws) -> ReviewOverview:
     """Return the state of each frame and label."""
-    return _overview(workspace, seq)
+    return workspace.reviewing.overview(seq)
 
 
 @router.put("/sequences/{seq}/review", responses=responses(404, 413))
@@ -41,7 +40,7 @@ def put_review(seq: SequenceId, body: ReviewPatch, workspace: Ws, who: Caller) -
     needs the role manager.  A frame or label that is accepted or reopened loses its note.
     """
     _put(workspace, seq, who, body, body.first, body.last)
-    return _overview(workspace, seq)
+    return workspace.reviewing.overview(seq)
 
 
 @router.get("/sequences/{seq}/review/history", responses=responses(404))
@@ -62,7 +61,7 @@ def get_frame_review(
     label: Annotated[int | None, Query(ge=1, le=65534, description="in this frame")] = None,
 ) -> Standing:
     """Return the state of a frame, or of a label in it."""
-    return _standing(workspace.reviewing.frame(seq, i, label or 0))
+    return workspace.reviewing.frame(seq, i, label or 0)
 
 
 @router.put("/sequences/{seq}/frames/{i}/review", responses=responses(404, 413))
@@ -71,7 +70,7 @@ def put_frame_review(
 ) -> Standing:
     """Set state, note or assignee of a frame, or state and note of a label in it."""
     _put(workspace, seq, who, body, i, i)
-    return _standing(workspace.reviewing.frame(seq, i, body.label or 0))
+    return workspace.reviewing.frame(seq, i, body.label or 0)
 
 
 def _put(
@@ -88,16 +87,6 @@ def _put(
         require(who.role, ASSIGN)
     review = Review(first, last, body.label or 0, body.state, body.note, body.place, body.assignee)
     workspace.reviewing.put(seq, who.author, review, decides=includes(who.role, DECIDE))
-
-
-def _overview(workspace: Workspace, seq: str) -> ReviewOverview:
-    found = workspace.reviewing.overview(seq)
-    frames, labels = (tuple(map(_standing, part)) for part in (found.frames, found.labels))
-    return ReviewOverview(found.counts, frames, labels, tuple(found.people))
-
-
-def _standing(found: reviewing.Standing) -> Standing:
-    return Standing.of(found, label=found.label or None, at=time_of(found.at))
 
 
 def _decision(found: Review) -> Decision:

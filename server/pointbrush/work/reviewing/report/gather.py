@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from pointbrush.labels import EditInfo, Label, LabelStore
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.reviewing.states import Overview, State, overlapping
+from pointbrush.values.team.review import ReviewOverview
+from pointbrush.work.reviewing.states import State, overlapping
 
 STROKES = frozenset({"paint", "erase", "delete", "restore"})
 MACHINE = frozenset({"tracking", "import"})
@@ -73,9 +74,10 @@ def effort_of(
     for edit in edits:
         if edit.kind in MACHINE:
             continue
-        gap = edit.time - last.get(edit.author, float("-inf"))
+        time = edit.time.timestamp()
+        gap = time - last.get(edit.author, float("-inf"))
         seconds = gap if 0 <= gap <= options.idle else options.first
-        last[edit.author] = edit.time
+        last[edit.author] = time
         frames: tuple[int | None, ...] = edit.frames or (None,)
         for frame in frames:
             stroke = int(edit.kind in STROKES and frame is not None)
@@ -135,7 +137,7 @@ class Report:
 
 
 def gather(
-    store: LabelStore, recording: Recording, overview: Overview, name: Callable[[str], str]
+    store: LabelStore, recording: Recording, overview: ReviewOverview, name: Callable[[str], str]
 ) -> Report:
     """Return the report of a recording; ``name`` returns the name of an account."""
     sequence, frames = recording.manifest.id, len(recording)
