@@ -18,8 +18,8 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from pointbrush.streaming.schema import subprotocol
-from pointbrush.web.security.roles import ROUTES
 from tests.faults.server import ServerProcess
+from tests.routes import ROUTES
 from tests.torture.framework import Tally
 
 SOCKET_SECONDS = 0.1

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import errno
 import logging
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Any
 
-from fastapi import FastAPI, Request, Response
+from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, Field
@@ -162,17 +162,6 @@ async def _unexpected(request: Request, error: Exception) -> JSONResponse:
 
 BINARY = {"schema": {"type": "string", "format": "binary"}}
 """OpenAPI's description of bytes."""
-
-
-def file_responses(
-    description: str, *media_types: str, problems: Sequence[int] = (404,), cached: bool = False
-) -> dict[str, Any]:
-    """Arguments of a route that answers with bytes, or with 304 if the client has them."""
-    found = {"description": description, "content": dict.fromkeys(media_types, BINARY)}
-    entries: dict[int | str, dict[str, Any]] = {200: found}
-    if cached:
-        entries[304] = {"description": "Not modified"}
-    return {"response_class": Response, "responses": entries | responses(*problems)}
 
 
 def responses(*statuses: int) -> dict[int | str, dict[str, Any]]:

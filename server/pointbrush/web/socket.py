@@ -17,7 +17,7 @@ from pointbrush.system.resources import shortage
 from pointbrush.web.problems import problem_of
 from pointbrush.web.security.admissions import Admissions
 from pointbrush.web.security.auth import Gate, Principal
-from pointbrush.web.security.roles import PREFIX, ROUTES
+from pointbrush.web.security.roles import PREFIX
 from pointbrush.web.websocket_protocol import WebSocketProtocol, link_of
 
 log = logging.getLogger(__name__)
@@ -54,7 +54,7 @@ def admit(socket: WebSocket) -> Principal:
     gate: Gate = socket.app.state.gate
     gate.require_host(socket)
     principal = gate.admit(socket)
-    require(principal.role, ROUTES["WEBSOCKET", "/stream"])
+    require(principal.role, "viewer")
     offered = socket.scope["subprotocols"]
     if subprotocol() not in offered:
         raise ForbiddenError(f"subprotocol: expected {subprotocol()}, got {', '.join(offered)!r}")

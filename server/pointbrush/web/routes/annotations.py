@@ -19,9 +19,10 @@ from pointbrush.values.imports import LabelImportOptions, LabelImportRequest
 from pointbrush.values.jobs import Job
 from pointbrush.web import npy
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
-from pointbrush.web.problems import BINARY, responses
+from pointbrush.web.problems import BINARY
 from pointbrush.web.routes.frames import Written
 from pointbrush.web.security.auth import Caller, Gate, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.upload_files import (
     described,
     files_of,
@@ -60,7 +61,7 @@ IMPORT_BODY = described(
 @router.post(
     "/sequences/{seq}/annotations",
     status_code=202,
-    responses=responses(404, 409, 413, 415),
+    **needs("annotator", 404, 409, 413, 415),
     openapi_extra=IMPORT_BODY,
 )
 async def import_labels(
@@ -95,7 +96,7 @@ async def arrays_body(request: Request) -> bytearray:
 
 @router.put(
     "/sequences/{seq}/annotations",
-    responses=responses(404, 409, 413),
+    **needs("annotator", 404, 409, 413),
     openapi_extra={"requestBody": {"required": True, "content": {"application/zip": BINARY}}},
 )
 def put_annotations(

@@ -15,14 +15,14 @@ from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
 from pointbrush.values.kinds import FrameIndex, PaintId, Uuid
 from pointbrush.web.context import SequenceId, WholeSequence, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("boxes")
 BoxPath = Annotated[int, Path(ge=1, lt=2**31, description="box id")]
 
 
-@router.get("/sequences/{seq}/boxes", responses=responses(404))
+@router.get("/sequences/{seq}/boxes", **needs("viewer", 404))
 def list_boxes(
     seq: WholeSequence,
     workspace: Ws,
@@ -36,7 +36,7 @@ def list_boxes(
     return Boxes(tuple(map(box_value, found.boxes)), found.revision)
 
 
-@router.post("/sequences/{seq}/boxes", status_code=201, responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/boxes", status_code=201, **needs("annotator", 404, 409, 413))
 def add_box(
     seq: WholeSequence, body: NewBox, response: Response, workspace: Ws, who: Caller
 ) -> BoxEdit:
@@ -47,7 +47,7 @@ def add_box(
     return _edited(made)
 
 
-@router.post("/sequences/{seq}/boxes/fit", status_code=202, responses=responses(404, 409))
+@router.post("/sequences/{seq}/boxes/fit", status_code=202, **needs("annotator", 404, 409))
 def fit_boxes(seq: SequenceId, body: BoxFit, response: Response, workspace: Ws, who: Caller) -> Job:
     """Fit a box to the points of each label over frames, in a job; the result is one edit.
 
@@ -59,13 +59,13 @@ def fit_boxes(seq: SequenceId, body: BoxFit, response: Response, workspace: Ws, 
     return job
 
 
-@router.get("/sequences/{seq}/boxes/{id}", responses=responses(404))
+@router.get("/sequences/{seq}/boxes/{id}", **needs("viewer", 404))
 def get_box(seq: WholeSequence, id: BoxPath, workspace: Ws) -> Box:
     """Return a box."""
     return box_value(workspace.labels.boxes.get(seq, id))
 
 
-@router.patch("/sequences/{seq}/boxes/{id}", responses=responses(404, 409, 413))
+@router.patch("/sequences/{seq}/boxes/{id}", **needs("annotator", 404, 409, 413))
 def change_box(
     seq: WholeSequence, id: BoxPath, body: BoxPatch, workspace: Ws, who: Caller
 ) -> BoxEdit:
@@ -74,7 +74,7 @@ def change_box(
     return _edited(boxes.change(seq, who.author, id, _change(body), edit_id=body.edit))
 
 
-@router.delete("/sequences/{seq}/boxes/{id}", responses=responses(404, 409))
+@router.delete("/sequences/{seq}/boxes/{id}", **needs("annotator", 404, 409))
 def delete_box(
     seq: WholeSequence,
     id: BoxPath,
@@ -86,7 +86,7 @@ def delete_box(
     return workspace.labels.boxes.remove(seq, who.author, id, edit_id=edit)
 
 
-@router.post("/sequences/{seq}/boxes/{id}/points", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/boxes/{id}/points", **needs("annotator", 404, 409, 413))
 def paint_box(seq: SequenceId, id: BoxPath, body: BoxPoints, workspace: Ws, who: Caller) -> Edit:
     """Give the points inside a box its label, in frames that have a pose of it; one edit."""
     return workspace.boxes.paint(

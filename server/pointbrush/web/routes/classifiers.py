@@ -29,8 +29,9 @@ from pointbrush.values.classifiers import (
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
-from pointbrush.web.problems import BINARY, file_responses, responses
+from pointbrush.web.problems import BINARY
 from pointbrush.web.security.auth import Caller, TheGate, resource
+from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
@@ -42,13 +43,13 @@ ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="classifier id")]
 
 
-@router.get("/classifiers")
+@router.get("/classifiers", **needs("viewer"))
 def list_classifiers(workspace: Ws) -> list[Classifier]:
     """List the classifiers of the workspace, by id."""
     return workspace.classifiers.listing()
 
 
-@router.post("/classifiers", status_code=201, responses=responses(404))
+@router.post("/classifiers", status_code=201, **needs("annotator", 404))
 def create_classifier(body: NewClassifier, workspace: Ws, who: Caller, gate: TheGate) -> Classifier:
     """Create a classifier that learns from the painted points of ``recordings``, now and later."""
     gate.require_seen(who, *body.recordings, *body.start_from)
@@ -60,7 +61,7 @@ def create_classifier(body: NewClassifier, workspace: Ws, who: Caller, gate: The
 @router.post(
     "/classifiers/file",
     status_code=201,
-    responses=responses(413),
+    **needs("manager", 413),
     openapi_extra={"requestBody": {"required": True, "content": {MEDIA_TYPE: BINARY}}},
 )
 async def bring_classifier(
@@ -75,19 +76,19 @@ async def bring_classifier(
     return await run_in_threadpool(workspace.classifiers.import_file, data, name)
 
 
-@router.get("/classifiers/{id}", responses=responses(404))
+@router.get("/classifiers/{id}", **needs("viewer", 404))
 def get_classifier(id: ClassifierPath, workspace: Ws) -> Classifier:
     """Return a classifier."""
     return workspace.classifiers.about(id)
 
 
-@router.delete("/classifiers/{id}", status_code=204, responses=responses(404))
+@router.delete("/classifiers/{id}", status_code=204, **needs("manager", 404))
 def delete_classifier(id: ClassifierPath, workspace: Ws) -> None:
     """Delete a classifier; the labels that it has predicted stay."""
     workspace.classifiers.delete(id)
 
 
-@router.get("/classifiers/{id}/file", **file_responses("The file", MEDIA_TYPE))
+@router.get("/classifiers/{id}/file", **needs_for_file("viewer", "The file", MEDIA_TYPE))
 def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
     """Return a classifier as a file for another workspace."""
     headers = {"Content-Disposition": f'attachment; filename="{id}.npz"'}
@@ -95,7 +96,7 @@ def get_classifier_file(id: ClassifierPath, workspace: Ws) -> Response:
     return Response(data, media_type=MEDIA_TYPE, headers=headers)
 
 
-@router.post("/classifiers/{id}/teach", responses=responses(404))
+@router.post("/classifiers/{id}/teach", **needs("annotator", 404))
 def teach_classifier(
     id: ClassifierPath, body: MoreExamples, workspace: Ws, who: Caller, gate: TheGate
 ) -> Classifier:
@@ -106,7 +107,9 @@ def teach_classifier(
 
 @router.post(
     "/sequences/{seq}/frames/{i}/prediction",
-    **file_responses("Classes and confidences", "application/zip", MEDIA_TYPE, problems=(404, 413)),
+    **needs_for_file(
+        "annotator", "Classes and confidences", "application/zip", MEDIA_TYPE, problems=(404, 413)
+    ),
 )
 def predict(
     seq: SequenceId,
@@ -169,14 +172,14 @@ def stored_bytes(found: Prediction) -> bytes:
     return b"".join([*parts, found.kind.tobytes(), found.confidence.tobytes()])
 
 
-@router.get("/sequences/{seq}/starts", responses=responses(404))
+@router.get("/sequences/{seq}/starts", **needs("annotator", 404))
 def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[Start]:
     """List the labelled recordings from which a classifier of this recording can start."""
     found = workspace.classifiers.starts(seq)
     return [each for each in found if gate.may_see(who, each.recording)]
 
 
-@router.get("/sequences/{seq}/doubt", responses=responses(404))
+@router.get("/sequences/{seq}/doubt", **needs("annotator", 404))
 def get_doubt(
     seq: SequenceId,
     workspace: Ws,
@@ -219,7 +222,9 @@ def _in_source_runs(workspace: Ws, place: Place) -> Place:
 
 @router.post(
     "/sequences/{seq}/doubt/answers",
-    responses={204: {"description": "None of the classes, or skipped"}, **responses(404, 409)},
+    **needs(
+        "annotator", 404, 409, answers={204: {"description": "None of the classes, or skipped"}}
+    ),
 )
 def answer_doubt(seq: SequenceId, body: DoubtAnswer, workspace: Ws, who: Caller) -> Edit:
     """Answer a doubt.
@@ -237,7 +242,7 @@ def answer_doubt(seq: SequenceId, body: DoubtAnswer, workspace: Ws, who: Caller)
     return Response(status_code=204)  # type: ignore[return-value]
 
 
-@router.delete("/sequences/{seq}/doubt/answers", status_code=204, responses=responses(404))
+@router.delete("/sequences/{seq}/doubt/answers", status_code=204, **needs("annotator", 404))
 def take_back_answer(
     seq: SequenceId,
     workspace: Ws,
@@ -254,7 +259,7 @@ def take_back_answer(
     workspace.classifiers.undo_ignore(classifier, seq, centre)
 
 
-@router.post("/sequences/{seq}/predictions", status_code=202, responses=responses(404, 409))
+@router.post("/sequences/{seq}/predictions", status_code=202, **needs("annotator", 404, 409))
 def apply_classifier(
     seq: SequenceId, body: Application, response: Response, workspace: Ws, who: Caller
 ) -> Job:
@@ -264,7 +269,7 @@ def apply_classifier(
     return job
 
 
-@router.delete("/sequences/{seq}/features", status_code=204, responses=responses(404))
+@router.delete("/sequences/{seq}/features", status_code=204, **needs("annotator", 404))
 def drop_features(seq: SequenceId, workspace: Ws) -> None:
     """Drop the cached features of a recording from memory."""
     workspace.classifiers.forget_features(seq)

@@ -11,15 +11,15 @@ from fastapi.concurrency import run_in_threadpool
 from pointbrush.labels import EditInfo
 from pointbrush.values.edits import Edit, PastEdit, Undo
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import StrokeBody
 from pointbrush.workspace import Workspace
 
 router = resource("edits")
 
 
-@router.post("/sequences/{seq}/frames/{i}/strokes", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/frames/{i}/strokes", **needs("annotator", 404, 409, 413))
 async def post_stroke(
     seq: SequenceId, i: FramePath, stroke: StrokeBody, workspace: Ws, who: Caller
 ) -> Edit:
@@ -33,21 +33,21 @@ async def post_stroke(
     return await run_in_threadpool(apply, seq, i, stroke.model_dump(), who.author)
 
 
-@router.post("/sequences/{seq}/undo", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/undo", **needs("annotator", 404, 409, 413))
 def undo(seq: WholeSequence, workspace: Ws, who: Caller, body: Undo | None = None) -> Edit:
     """Take back the caller's last edit, or ``edit``, except on points with a later edit."""
     given = body or Undo()
     return workspace.labels.undo(seq, who.author, given.id, given.edit)
 
 
-@router.post("/sequences/{seq}/redo", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/redo", **needs("annotator", 404, 409, 413))
 def redo(seq: WholeSequence, workspace: Ws, who: Caller, body: Undo | None = None) -> Edit:
     """Restore the edit that the caller's last undo took back, or ``edit``."""
     given = body or Undo()
     return workspace.labels.redo(seq, who.author, given.id, given.edit)
 
 
-@router.get("/sequences/{seq}/edits", responses=responses(404))
+@router.get("/sequences/{seq}/edits", **needs("viewer", 404))
 def list_edits(
     seq: WholeSequence,
     workspace: Ws,

@@ -11,10 +11,10 @@ from fastapi import Query, Request
 from pointbrush.values.jobs import Job
 from pointbrush.values.tracking import Events
 from pointbrush.web.context import WholeSequence, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.routes.edits import past_edit
 from pointbrush.web.routes.tracking import track_of
 from pointbrush.web.security.auth import resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.watching import Watching
 from pointbrush.work.doubts import is_doubtful
 from pointbrush.workspace import Workspace
@@ -26,7 +26,7 @@ MOST_EDITS = 500
 TRACKING = "tracking"
 
 
-@router.get("/sequences/{seq}/events", responses=responses(404))
+@router.get("/sequences/{seq}/events", **needs("viewer", 404))
 async def wait_for_events(
     seq: WholeSequence,
     request: Request,

@@ -21,8 +21,8 @@ from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.values.exports import ExportFormat
 from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
-from pointbrush.web.problems import file_responses
 from pointbrush.web.security.auth import Caller, Gate, Principal, resource
+from pointbrush.web.security.roles import needs, needs_for_file
 
 PIECES = 16
 PIECE = 256 << 10
@@ -204,13 +204,13 @@ async def respond(
     return ExportResponse(first, pipe, ended, headers)
 
 
-@router.get("/exports")
+@router.get("/exports", **needs("viewer"))
 def list_exports() -> list[ExportFormat]:
     """List the export formats in the order of the page."""
     return [ExportFormat.of(each, format=each.name) for each in EXPORTS.values()]
 
 
-@router.get("/sequences/{seq}/export", **file_responses("The export", "application/zip"))
+@router.get("/sequences/{seq}/export", **needs_for_file("viewer", "The export", "application/zip"))
 async def export_sequence(
     seq: SequenceId,
     workspace: Ws,

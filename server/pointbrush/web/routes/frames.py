@@ -32,8 +32,9 @@ from pointbrush.web.context import (
     etag,
     if_match,
 )
-from pointbrush.web.problems import BINARY, file_responses, responses
+from pointbrush.web.problems import BINARY
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.annotate.overlays import Placement as LocalPlacement
 from pointbrush.work.annotate.overlays import placements_round
@@ -62,7 +63,7 @@ Many = Annotated[
 
 @router.get(
     "/sequences/{seq}/frames/{i}/points",
-    **file_responses("Points", npy.MEDIA_TYPE, "application/zip"),
+    **needs_for_file("viewer", "Points", npy.MEDIA_TYPE, "application/zip"),
 )
 def get_points(
     seq: SequenceId,
@@ -98,7 +99,7 @@ def _column(workspace: Workspace, seq: str, i: int, name: str) -> Iterator[NDArr
 
 @router.get(
     "/sequences/{seq}/frames/{i}/annotation",
-    **file_responses("One value a point", npy.MEDIA_TYPE, cached=True),
+    **needs_for_file("viewer", "One value a point", npy.MEDIA_TYPE, cached=True),
 )
 def get_annotation(
     seq: SequenceId,
@@ -145,7 +146,7 @@ AnnotationBody = Annotated[bytearray, Depends(annotation_body)]
 
 @router.put(
     "/sequences/{seq}/frames/{i}/annotation",
-    responses=responses(404, 409, 413),
+    **needs("annotator", 404, 409, 413),
     openapi_extra={"requestBody": {"required": True, "content": {npy.MEDIA_TYPE: BINARY}}},
 )
 def put_annotation(
@@ -185,7 +186,7 @@ def put_annotation(
     return commit
 
 
-@router.get("/sequences/{seq}/frames/{i}/chunks", responses=responses(404))
+@router.get("/sequences/{seq}/frames/{i}/chunks", **needs("viewer", 404))
 def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
     """Return the position, the points and the dequantisation of each wire chunk."""
     recording = workspace.recording(seq)
@@ -195,7 +196,7 @@ def get_chunk_table(seq: SequenceId, i: FramePath, workspace: Ws) -> ChunkTable:
 
 @router.get(
     "/sequences/{seq}/frames/{i}/chunks/{c}",
-    **file_responses("Encoded points", "application/octet-stream", cached=True),
+    **needs_for_file("viewer", "Encoded points", "application/octet-stream", cached=True),
 )
 def get_chunk(
     seq: SequenceId,
@@ -222,7 +223,9 @@ def get_chunk(
     return Response(bytes(data), media_type="application/octet-stream", headers=headers)
 
 
-@router.get("/sequences/{seq}/frames/{i}/thumbnail", **file_responses("A JPEG", "image/jpeg"))
+@router.get(
+    "/sequences/{seq}/frames/{i}/thumbnail", **needs_for_file("viewer", "A JPEG", "image/jpeg")
+)
 def get_thumbnail(
     seq: SequenceId,
     i: FramePath,
@@ -236,7 +239,7 @@ def get_thumbnail(
     )
 
 
-@router.get("/sequences/{seq}/frames/{i}/cameras", responses=responses(404))
+@router.get("/sequences/{seq}/frames/{i}/cameras", **needs("viewer", 404))
 def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[Camera]:
     """List the cameras that have a picture of this frame."""
     return list(map(Camera.of, workspace.recording(seq).projections(i)))
@@ -244,7 +247,7 @@ def list_cameras(seq: SequenceId, i: FramePath, workspace: Ws) -> list[Camera]:
 
 @router.get(
     "/sequences/{seq}/frames/{i}/images/{camera}",
-    **file_responses("The picture as it came", *MEDIA_TYPES.values(), cached=True),
+    **needs_for_file("viewer", "The picture as it came", *MEDIA_TYPES.values(), cached=True),
 )
 def get_image(
     seq: SequenceId,
@@ -263,7 +266,7 @@ def get_image(
     return Response(content, media_type=MEDIA_TYPES[PurePath(name).suffix], headers=headers)
 
 
-@router.get("/sequences/{seq}/frames/{i}/placements", responses=responses(404))
+@router.get("/sequences/{seq}/frames/{i}/placements", **needs("viewer", 404))
 def list_placements(
     seq: SequenceId, i: FramePath, workspace: Ws, before: Many = 0, after: Many = 0
 ) -> list[Placement]:

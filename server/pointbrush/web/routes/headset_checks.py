@@ -10,8 +10,8 @@ from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.values.base import integral
 from pointbrush.values.headset_checks import HeadsetCheck, NewHeadsetReport
 from pointbrush.web.context import Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("headset checks")
 
@@ -31,7 +31,7 @@ class KeptHeadsetReport(BaseModel):
     report: HeadsetReport = Field(description="The report, as the page made it.")
 
 
-@router.post("/headset-checks", responses=responses(409))
+@router.post("/headset-checks", **needs("annotator", 409))
 def begin_headset_check(workspace: Ws) -> HeadsetCheck:
     """Return the scratch recording for a headset check, without labelled points.
 
@@ -40,14 +40,14 @@ def begin_headset_check(workspace: Ws) -> HeadsetCheck:
     return HeadsetCheck(workspace.scratch.prepare())
 
 
-@router.post("/headset-reports", status_code=201, responses=responses(413))
+@router.post("/headset-reports", status_code=201, **needs("annotator", 413))
 def add_headset_report(body: HeadsetReportBody, workspace: Ws, who: Caller) -> NewHeadsetReport:
     """Store the report of a headset check; a workspace keeps the newest 50."""
     kept = workspace.labels.headset_reports
     return NewHeadsetReport(kept.add(who.author, body.model_dump()))
 
 
-@router.get("/headset-reports", responses=responses())
+@router.get("/headset-reports", **needs("manager"))
 def list_headset_reports(workspace: Ws) -> list[KeptHeadsetReport]:
     """List the reports of headset checks, newest first."""
     return [

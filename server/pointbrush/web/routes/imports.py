@@ -31,8 +31,9 @@ from pointbrush.values.imports import (
 from pointbrush.values.jobs import Job
 from pointbrush.values.kinds import VISIBLE
 from pointbrush.web.context import ProjectId, Ws, one_of
-from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.problems import problem_of
 from pointbrush.web.security.auth import Caller, Gate, TheGate, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.upload_files import (
     KeptUploads,
     Upload,
@@ -100,7 +101,7 @@ class Wanted:
 @router.post(
     "/sequences",
     status_code=202,
-    responses=responses(404, 409, 413, 415),
+    **needs("manager", 404, 409, 413, 415),
     openapi_extra=IMPORT_BODY,
 )
 async def import_sequence(request: Request, response: Response, workspace: Ws, who: Caller) -> Job:
@@ -132,7 +133,7 @@ async def import_sequence(request: Request, response: Response, workspace: Ws, w
     return job
 
 
-@router.post("/imports/entries", responses=responses(404, 413))
+@router.post("/imports/entries", **needs("manager", 404, 413))
 def list_entries(
     body: FolderRequest, workspace: Ws, who: Caller, gate: TheGate, request: Request
 ) -> list[Entry]:
@@ -146,7 +147,7 @@ def list_entries(
     ]
 
 
-@router.post("/projects/{p}/imports", status_code=202, responses=responses(404, 413))
+@router.post("/projects/{p}/imports", status_code=202, **needs("manager", 404, 413))
 def import_each(
     p: ProjectId, body: FolderImport, workspace: Ws, who: Caller, gate: TheGate, request: Request
 ) -> list[Job]:
@@ -160,7 +161,7 @@ def import_each(
 
 @router.post(
     "/imports/preview",
-    responses=responses(404, 409, 413, 415),
+    **needs("manager", 404, 409, 413, 415),
     openapi_extra=IMPORT_BODY,
     response_model=ImportPreview,
 )
@@ -191,7 +192,7 @@ async def preview_import(
     return ImportPreview(**asdict(found), upload=named)
 
 
-@router.delete("/imports/{upload}", status_code=204, responses=responses(404))
+@router.delete("/imports/{upload}", status_code=204, **needs("manager", 404))
 def drop_upload(upload: UploadPath, request: Request, who: Caller) -> None:
     """Remove the files that were uploaded for a preview."""
     kept: KeptUploads = request.app.state.kept_uploads

@@ -10,20 +10,19 @@ from pointbrush.accounts.roles import require
 from pointbrush.errors import NotFoundError
 from pointbrush.values.jobs import Job
 from pointbrush.web.context import JobPath, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
-from pointbrush.web.security.roles import CANCEL_ANY
+from pointbrush.web.security.roles import CANCEL_ANY, needs
 
 router = resource("jobs")
 
 
-@router.get("/jobs", responses=responses())
+@router.get("/jobs", **needs("viewer"))
 def list_jobs(workspace: Ws, who: Caller, gate: TheGate) -> list[Job]:
     """List the jobs of recordings that the caller may open, the newest first."""
     return [job for job in workspace.jobs.all() if gate.may_see_job(who, job)]
 
 
-@router.get("/jobs/{id}", responses=responses(404))
+@router.get("/jobs/{id}", **needs("viewer", 404))
 def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> Job:
     """Return a job."""
     job = workspace.jobs.get(id.lower())
@@ -32,7 +31,7 @@ def get_job(id: JobPath, workspace: Ws, who: Caller, gate: TheGate) -> Job:
     return job
 
 
-@router.delete("/jobs/{id}", responses=responses(404, 409))
+@router.delete("/jobs/{id}", **needs("annotator", 404, 409))
 def cancel_job(
     id: JobPath,
     workspace: Ws,

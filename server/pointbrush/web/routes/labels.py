@@ -26,15 +26,15 @@ from pointbrush.values.labels import (
     PaletteOrder,
 )
 from pointbrush.web.context import LabelPath, SequenceId, WholeSequence, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.work.palettes import add_labels, add_template, counted_labels, offered
 
 router = resource("labels")
 EditId = Annotated[Uuid | None, Query(description="the edit's UUID, which is applied once")]
 
 
-@router.get("/sequences/{seq}/labels", responses=responses(404))
+@router.get("/sequences/{seq}/labels", **needs("viewer", 404))
 def list_labels(seq: WholeSequence, workspace: Ws) -> list[Label]:
     """List the labels of a recording with the number of points of each."""
     return counted_labels(workspace.labels, seq)
@@ -44,7 +44,7 @@ def list_labels(seq: WholeSequence, workspace: Ws) -> list[Label]:
     "/sequences/{seq}/labels",
     status_code=201,
     response_model_exclude_none=True,
-    responses=responses(404, 409, 413),
+    **needs("annotator", 404, 409, 413),
 )
 def create_label(
     seq: WholeSequence,
@@ -61,7 +61,7 @@ def create_label(
 
 
 @router.get(
-    "/sequences/{seq}/labels/{id}", response_model_exclude_none=True, responses=responses(404)
+    "/sequences/{seq}/labels/{id}", response_model_exclude_none=True, **needs("viewer", 404)
 )
 def get_label(seq: WholeSequence, id: LabelPath, workspace: Ws) -> Label:
     """Return a label."""
@@ -71,7 +71,7 @@ def get_label(seq: WholeSequence, id: LabelPath, workspace: Ws) -> Label:
 @router.patch(
     "/sequences/{seq}/labels/{id}",
     response_model_exclude_none=True,
-    responses=responses(404, 409, 413),
+    **needs("annotator", 404, 409, 413),
 )
 def update_label(
     seq: WholeSequence,
@@ -87,7 +87,7 @@ def update_label(
     return workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields)
 
 
-@router.delete("/sequences/{seq}/labels/{id}", responses=responses(404, 409))
+@router.delete("/sequences/{seq}/labels/{id}", **needs("annotator", 404, 409))
 def delete_label(
     seq: WholeSequence, id: LabelPath, workspace: Ws, who: Caller, edit: EditId = None
 ) -> Edit:
@@ -95,7 +95,7 @@ def delete_label(
     return workspace.labels.delete_label(seq, who.author, id, edit_id=edit)
 
 
-@router.post("/sequences/{seq}/labels/{id}/merge", responses=responses(404, 409))
+@router.post("/sequences/{seq}/labels/{id}/merge", **needs("annotator", 404, 409))
 def merge_labels(
     seq: WholeSequence,
     id: LabelPath,
@@ -108,7 +108,7 @@ def merge_labels(
     return workspace.labels.merge_labels(seq, who.author, id, body.labels, edit_id=edit)
 
 
-@router.post("/sequences/{seq}/labels/{id}/split", responses=responses(404, 409))
+@router.post("/sequences/{seq}/labels/{id}/split", **needs("annotator", 404, 409))
 def split_label(
     seq: SequenceId,
     id: LabelPath,
@@ -122,7 +122,7 @@ def split_label(
     return split(seq, who.author, id, body.frame, edit=edit, gap=body.gap, least=body.least)
 
 
-@router.get("/templates")
+@router.get("/templates", **needs("viewer"))
 def list_templates() -> dict[str, Palette]:
     """List the palettes of well-known datasets, by name."""
     return {
@@ -135,7 +135,7 @@ def list_templates() -> dict[str, Palette]:
     }
 
 
-@router.get("/sequences/{seq}/palette", responses=responses(404))
+@router.get("/sequences/{seq}/palette", **needs("viewer", 404))
 def get_palette(seq: WholeSequence, workspace: Ws) -> Palette:
     """Return the palette; the answer can be posted to another recording."""
     return Palette(
@@ -147,7 +147,7 @@ def get_palette(seq: WholeSequence, workspace: Ws) -> Palette:
     )
 
 
-@router.post("/sequences/{seq}/palette", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/palette", **needs("annotator", 404, 409, 413))
 def add_palette(
     seq: WholeSequence, body: PaletteAddition, workspace: Ws, who: Caller
 ) -> AddedLabels:
@@ -160,13 +160,13 @@ def add_palette(
     return AddedLabels(tuple(add_labels(workspace.labels, seq, body.labels, who.author)))
 
 
-@router.get("/sequences/{seq}/categories", responses=responses(404))
+@router.get("/sequences/{seq}/categories", **needs("viewer", 404))
 def list_categories(seq: WholeSequence, workspace: Ws) -> OfferedCategories:
     """List the categories for labels: the selection of the project, or all categories."""
     return offered(workspace.labels, seq)
 
 
-@router.put("/sequences/{seq}/palette/order", responses=responses(404, 409, 413))
+@router.put("/sequences/{seq}/palette/order", **needs("annotator", 404, 409, 413))
 def arrange_palette(
     seq: WholeSequence, body: PaletteOrder, workspace: Ws, who: Caller, edit: EditId = None
 ) -> Edit:

@@ -14,9 +14,10 @@ from pointbrush.streaming.messages import Uuid
 from pointbrush.values.masks import MaskEdit
 from pointbrush.web import npy
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag
-from pointbrush.web.problems import responses
-from pointbrush.web.routes.frames import BINARY, REVALIDATED
+from pointbrush.web.problems import BINARY
+from pointbrush.web.routes.frames import REVALIDATED
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.masks.classes import Classes
 from pointbrush.work.masks.service import Source
 
@@ -37,7 +38,7 @@ async def mask_body(request: Request) -> bytearray:
 
 @router.put(
     "/sequences/{seq}/frames/{i}/masks/{camera}",
-    responses=responses(404, 409, 413),
+    **needs("annotator", 404, 409, 413),
     openapi_extra={"requestBody": {"required": True, "content": CONTENT}},
 )
 def put_mask(
@@ -77,12 +78,7 @@ def put_mask(
 
 @router.get(
     "/sequences/{seq}/frames/{i}/masks/{camera}",
-    response_class=Response,
-    responses={
-        200: {"description": "The mask", "content": CONTENT},
-        304: {"description": "Not modified"},
-        **responses(404),
-    },
+    **needs_for_file("viewer", "The mask", *CONTENT, cached=True),
 )
 def get_mask(
     seq: SequenceId,

@@ -18,7 +18,7 @@ from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.security import auth
 from pointbrush.web.security.auth import Caller, Gate, Principal, resource
 from pointbrush.web.security.cookies import set_cookie
-from pointbrush.web.security.roles import PREFIX
+from pointbrush.web.security.roles import PREFIX, needs
 
 router = resource("server")
 sign_in_router = APIRouter(prefix=PREFIX, tags=["server"])
@@ -42,31 +42,31 @@ def sign_in(body: SignIn, request: Request, response: Response) -> SignedIn:
     return _out(principal)
 
 
-@router.get("/session", responses=responses())
+@router.get("/session", **needs("viewer"))
 def who_am_i(who: Caller) -> SignedIn:
     """Return the identity of the caller."""
     return _out(who)
 
 
-@router.get("/me", responses=responses())
+@router.get("/me", **needs("viewer"))
 def me(who: Caller) -> Me:
     """Return the caller's identity, and the hash of the socket's messages."""
     return Me(who.name, who.role, schema_hash(), __version__)
 
 
-@router.get("/me/keys", responses=responses())
+@router.get("/me/keys", **needs("viewer"))
 def own_keys(who: Caller, workspace: Ws) -> OwnKeys:
     """Return the keyboard shortcuts that the caller has chosen, in all browsers."""
     return OwnKeys(workspace.labels.own_keys.get(who.author))
 
 
-@router.put("/me/keys", status_code=204, responses=responses(413))
+@router.put("/me/keys", status_code=204, **needs("viewer", 413))
 def set_own_keys(body: NewKeys, who: Caller, workspace: Ws) -> None:
     """Replace the keyboard shortcuts of the caller."""
     workspace.labels.own_keys.put(who.author, body.keys)
 
 
-@router.delete("/session", status_code=204, responses=responses())
+@router.delete("/session", status_code=204, **needs("viewer"))
 def sign_out(request: Request, response: Response) -> None:
     """End the page's session; the browser keeps its account."""
     gate: Gate = request.app.state.gate
@@ -95,8 +95,8 @@ async def readyz(request: Request, response: Response) -> Ready:
     return Ready("ready", parts)
 
 
-@open_router.get("/metrics")
-@open_router.get("/api/v1/metrics")
+@open_router.get("/metrics", **needs("viewer"))
+@open_router.get("/api/v1/metrics", **needs("viewer"))
 def metrics(request: Request, _who: Caller) -> Response:
     """Prometheus text."""
     counters: Metrics = request.app.state.metrics

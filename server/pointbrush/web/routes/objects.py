@@ -11,8 +11,9 @@ from fastapi.responses import JSONResponse
 from pointbrush.ranges import runs_of
 from pointbrush.values.objects import Candidate, Candidates
 from pointbrush.web.context import FramePath, SequenceId, Ws
-from pointbrush.web.problems import problem_of, responses
+from pointbrush.web.problems import problem_of
 from pointbrush.web.security.auth import resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import ObjectBody
 from pointbrush.work.objects import Answer, StaleCandidateError
 from pointbrush.workspace import Workspace
@@ -20,7 +21,7 @@ from pointbrush.workspace import Workspace
 router = resource("objects")
 
 
-@router.post("/sequences/{seq}/frames/{i}/object", responses=responses(404, 413))
+@router.post("/sequences/{seq}/frames/{i}/object", **needs("annotator", 404, 413))
 def ask_object(seq: SequenceId, i: FramePath, body: ObjectBody, workspace: Ws) -> Candidates:
     """Return candidates for clicks on an object; a stroke of shape ``object`` takes one."""
     answer = workspace.strokes.preview(seq, i, {**body.model_dump(), "shape": "object"})

@@ -11,15 +11,17 @@ from fastapi.responses import JSONResponse
 from pointbrush.values.jobs import Job
 from pointbrush.values.people import FoundPeople, PeopleSearch
 from pointbrush.web.context import SequenceId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("people")
 
 
 @router.post(
     "/sequences/{seq}/people",
-    responses={202: {"model": Job, "description": "Job that labels them"}, **responses(404, 409)},
+    **needs(
+        "annotator", 404, 409, answers={202: {"model": Job, "description": "Job that labels them"}}
+    ),
 )
 def find_people(
     seq: SequenceId,

@@ -14,8 +14,8 @@ from pointbrush.teamwork.summaries import Search
 from pointbrush.values.kinds import TaskState
 from pointbrush.values.recordings import Manifest, RecordingPatch
 from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import FloorBody
 from pointbrush.work import manifests
 from pointbrush.workspace import Workspace
@@ -68,7 +68,7 @@ def _out(workspace: Workspace, sequence: str) -> Manifest:
     return manifests.listed(workspace.listing.entry(sequence))
 
 
-@router.get("/sequences", responses=responses())
+@router.get("/sequences", **needs("viewer"))
 def list_sequences(
     workspace: Ws,
     who: Caller,
@@ -100,13 +100,13 @@ def list_sequences(
     return [manifests.listed(entry) for entry in shown]
 
 
-@router.get("/sequences/{seq}", responses=responses(404))
+@router.get("/sequences/{seq}", **needs("viewer", 404))
 def get_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
     """Return the manifest of a recording."""
     return _out(workspace, seq)
 
 
-@router.patch("/sequences/{seq}", responses=responses(404, 409, 413))
+@router.patch("/sequences/{seq}", **needs("manager", 404, 409, 413))
 def patch_sequence(seq: SequenceId, patch: RecordingPatch, workspace: Ws) -> Manifest:
     """Change the name, the rate or the floor transform of a recording."""
     fields = patch.given()
@@ -117,7 +117,7 @@ def patch_sequence(seq: SequenceId, patch: RecordingPatch, workspace: Ws) -> Man
     return _out(workspace, seq)
 
 
-@router.post("/sequences/{seq}/source-labels", responses=responses(404, 409))
+@router.post("/sequences/{seq}/source-labels", **needs("annotator", 404, 409))
 def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Manifest:
     """Import the labels in a recording's own files, unless its import has done so.
 
@@ -127,7 +127,7 @@ def import_source_labels(seq: SequenceId, workspace: Ws, who: Caller) -> Manifes
     return _out(workspace, seq)
 
 
-@router.post("/sequences/{seq}/floor", responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/floor", **needs("annotator", 404, 409, 413))
 def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> Manifest:
     """Place a recording on the surface that rays point at; one is enough, three level it better."""
     samples = [sample.model_dump() for sample in body.samples]
@@ -135,14 +135,14 @@ def stand_on_floor(seq: SequenceId, body: FloorBody, workspace: Ws) -> Manifest:
     return _out(workspace, seq)
 
 
-@router.delete("/sequences/{seq}/floor", responses=responses(404, 409))
+@router.delete("/sequences/{seq}/floor", **needs("annotator", 404, 409))
 def reset_floor(seq: SequenceId, workspace: Ws) -> Manifest:
     """Place a recording on the floor that the import found."""
     workspace.reset_floor(seq)
     return _out(workspace, seq)
 
 
-@router.delete("/sequences/{seq}", status_code=204, responses=responses(404, 409))
+@router.delete("/sequences/{seq}", status_code=204, **needs("manager", 404, 409))
 def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = None) -> None:
     """Delete a recording with its labels; it can be restored for 30 days.
 
@@ -151,7 +151,7 @@ def delete_sequence(seq: SequenceId, workspace: Ws, identity: IdentityQuery = No
     workspace.deletion.delete(seq, identity)
 
 
-@router.post("/sequences/{seq}/restore", responses=responses(404, 409))
+@router.post("/sequences/{seq}/restore", **needs("manager", 404, 409))
 def restore_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
     """Restore a deleted recording with all its labels, by its id or its ``identity``.
 

@@ -8,20 +8,20 @@ from fastapi import Path
 
 from pointbrush.values.taxonomy import MergedCategories, Taxonomy, TaxonomyChange
 from pointbrush.web.context import Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import resource
+from pointbrush.web.security.roles import needs
 
 router = resource("taxonomy")
 NumberPath = Annotated[int, Path(ge=1, le=65535, description="number of a category")]
 
 
-@router.get("/taxonomy")
+@router.get("/taxonomy", **needs("viewer"))
 def get_taxonomy(workspace: Ws) -> Taxonomy:
     """Return the classes of the workspace; the answer can be put into another workspace."""
     return workspace.labels.taxonomy.value()
 
 
-@router.put("/taxonomy", responses=responses(409, 413))
+@router.put("/taxonomy", **needs("manager", 409, 413))
 def put_taxonomy(body: TaxonomyChange, workspace: Ws) -> Taxonomy:
     """Add classes, or change their names, colours and sizes; other classes do not change.
 
@@ -31,14 +31,14 @@ def put_taxonomy(body: TaxonomyChange, workspace: Ws) -> Taxonomy:
     return workspace.labels.taxonomy.value()
 
 
-@router.post("/taxonomy/{number}/merge", responses=responses(404, 409))
+@router.post("/taxonomy/{number}/merge", **needs("manager", 404, 409))
 def merge_categories(number: NumberPath, body: MergedCategories, workspace: Ws) -> Taxonomy:
     """Merge other classes into this one: their labels in all recordings become labels of it."""
     workspace.labels.taxonomy.merge(number, body.categories)
     return workspace.labels.taxonomy.value()
 
 
-@router.delete("/taxonomy/{number}", status_code=204, responses=responses(404, 409))
+@router.delete("/taxonomy/{number}", status_code=204, **needs("manager", 404, 409))
 def delete_category(number: NumberPath, workspace: Ws) -> None:
     """Delete a class that no label uses."""
     workspace.labels.taxonomy.remove(number)

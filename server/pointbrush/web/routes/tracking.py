@@ -21,14 +21,14 @@ from pointbrush.values.tracking import (
     TrackingRequest,
 )
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws, one_of
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 from pointbrush.work.tracking.options import RunOptions
 
 router = resource("tracking")
 
 
-@router.post("/sequences/{seq}/tracking", status_code=202, responses=responses(404, 409, 413))
+@router.post("/sequences/{seq}/tracking", status_code=202, **needs("annotator", 404, 409, 413))
 def start_tracking(
     seq: SequenceId,
     body: Annotated[TrackingRequest, Patterns(method=one_of(METHODS))],
@@ -50,19 +50,19 @@ def start_tracking(
     return job
 
 
-@router.post("/sequences/{seq}/frames/{i}/accept", responses=responses(404, 409))
+@router.post("/sequences/{seq}/frames/{i}/accept", **needs("reviewer", 404, 409))
 def accept(seq: SequenceId, i: FramePath, body: Acceptance, workspace: Ws, who: Caller) -> Edit:
     """Mark the tracked points of labels in this frame as painted; one edit."""
     return workspace.verdicts.give("accept", seq, [i], body.labels, who.author, body.id)
 
 
-@router.post("/sequences/{seq}/frames/{i}/copy", responses=responses(404, 409))
+@router.post("/sequences/{seq}/frames/{i}/copy", **needs("annotator", 404, 409))
 def copy(seq: SequenceId, i: FramePath, body: Copying, workspace: Ws, who: Caller) -> Edit:
     """Copy labels from the points at the same place in another frame; one edit."""
     return workspace.copying.copy(seq, i, body.source, body.labels, who.author, body.id)
 
 
-@router.post("/sequences/{seq}/frames/{i}/clear", responses=responses(404, 409))
+@router.post("/sequences/{seq}/frames/{i}/clear", **needs("annotator", 404, 409))
 def clear(seq: SequenceId, i: FramePath, body: Clearing, workspace: Ws, who: Caller) -> Edit:
     """Remove labels from all their points in a range of frames, painted points included; one edit.
 
@@ -73,13 +73,13 @@ def clear(seq: SequenceId, i: FramePath, body: Clearing, workspace: Ws, who: Cal
     return workspace.copying.clear(seq, frames, body.labels, who.author, body.id)
 
 
-@router.post("/sequences/{seq}/accept", responses=responses(404, 409))
+@router.post("/sequences/{seq}/accept", **needs("reviewer", 404, 409))
 def accept_stretch(seq: SequenceId, body: Stretch, workspace: Ws, who: Caller) -> Edit:
     """Mark the tracked points of labels in a range of frames as painted; one edit."""
     return workspace.verdicts.give("accept", seq, body.frames, body.labels, who.author, body.id)
 
 
-@router.post("/sequences/{seq}/clear", responses=responses(404, 409))
+@router.post("/sequences/{seq}/clear", **needs("annotator", 404, 409))
 def clear_stretch(seq: SequenceId, body: Stretch, workspace: Ws, who: Caller) -> Edit:
     """Remove labels from their tracked points in a range of frames; one edit.
 
@@ -89,7 +89,7 @@ def clear_stretch(seq: SequenceId, body: Stretch, workspace: Ws, who: Caller) ->
     return workspace.verdicts.give("clear", seq, body.frames, body.labels, who.author, body.id)
 
 
-@router.get("/sequences/{seq}/tracks", responses=responses(404))
+@router.get("/sequences/{seq}/tracks", **needs("viewer", 404))
 def list_tracks(seq: WholeSequence, workspace: Ws) -> list[Track]:
     """Return pose, confidence and state of every tracked label in every frame."""
     return [track_of(track) for track in workspace.labels.tracks(seq)]

@@ -31,7 +31,7 @@ from pointbrush.web.context import known_query
 from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.security.cookies import Cookie
-from pointbrush.web.security.roles import PREFIX, ROUTES, call_of
+from pointbrush.web.security.roles import PREFIX, role_of
 from pointbrush.web.security.sessions import SESSION_DAYS, WebSessions
 from pointbrush.web.security.sign_ins import SignIns
 from pointbrush.workspace import Workspace
@@ -352,7 +352,10 @@ async def caller(request: Request) -> Principal:
     principal = gate.owner(request)
     if principal is None:
         principal = await run_in_threadpool(gate.admit_to, request)
-    require(principal.role, ROUTES[call_of(request.method, request.scope["route"].path)])
+    needed = role_of(request.scope["route"])
+    if needed is None:
+        raise ForbiddenError("expected a call with a role, this one has none")
+    require(principal.role, needed)
     return principal
 
 

@@ -1,169 +1,20 @@
-"""The role that each call needs; a route outside this table is refused.
+"""The role that each call needs, stated at its route; a call without one is refused.
 
-``docs/roles.md`` shows the table; tests compare both, and the table with the app's routes.
+``docs/roles.md`` shows all of them; a test compares it with the routes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from fastapi import Depends, Response
+from starlette.routing import BaseRoute
 
 from pointbrush.accounts.roles import Role
+from pointbrush.web.problems import BINARY, responses
 
 PREFIX = "/api/v1"
-
-OPEN = frozenset({
-    ("POST", "/session"),
-    ("GET", "/oidc"),
-    ("GET", "/oidc/login"),
-    ("GET", "/oidc/callback"),
-    ("GET", "/healthz"),
-    ("GET", "/readyz"),
-    ("GET", "/docs"),
-    ("GET", "/docs/{name}"),
-    ("GET", "/openapi.json"),
-    ("GET", "/trust"),
-    ("GET", "/trust/address.svg"),
-    ("GET", "/trust/authority.crt"),
-    ("GET", "/"),
-    ("GET", "/check-headset"),
-    ("GET", "/{path:asset}"),
-})  # fmt: skip
-"""Calls that need no token: signing in, and public data."""
-
-ROUTES: Mapping[tuple[str, str], Role] = {
-    ("GET", "/session"): "viewer",
-    ("DELETE", "/session"): "viewer",
-    ("GET", "/me"): "viewer",
-    ("GET", "/me/keys"): "viewer",
-    ("PUT", "/me/keys"): "viewer",
-    ("GET", "/metrics"): "viewer",
-    ("GET", "/sequences"): "viewer",
-    ("GET", "/sequences/{seq}"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/points"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/thumbnail"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/annotation"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/chunks"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/chunks/{c}"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/cameras"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/placements"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/images/{camera}"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/masks/{camera}"): "viewer",
-    ("GET", "/sequences/{seq}/labels"): "viewer",
-    ("GET", "/sequences/{seq}/labels/{id}"): "viewer",
-    ("GET", "/sequences/{seq}/boxes"): "viewer",
-    ("GET", "/sequences/{seq}/boxes/{id}"): "viewer",
-    ("GET", "/sequences/{seq}/edits"): "viewer",
-    ("GET", "/sequences/{seq}/palette"): "viewer",
-    ("GET", "/sequences/{seq}/categories"): "viewer",
-    ("GET", "/templates"): "viewer",
-    ("GET", "/sequences/{seq}/tracks"): "viewer",
-    ("GET", "/sequences/{seq}/export"): "viewer",
-    ("GET", "/sequences/{seq}/review"): "viewer",
-    ("GET", "/sequences/{seq}/review/history"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/review"): "viewer",
-    ("GET", "/sequences/{seq}/checks"): "viewer",
-    ("GET", "/sequences/{seq}/agreement"): "viewer",
-    ("GET", "/sequences/{seq}/report"): "viewer",
-    ("GET", "/sequences/{seq}/frames/{i}/agreement"): "viewer",
-    ("GET", "/taxonomy"): "viewer",
-    ("GET", "/projects"): "viewer",
-    ("GET", "/projects/{p}"): "viewer",
-    ("GET", "/projects/{p}/statistics"): "viewer",
-    ("GET", "/projects/{p}/tasks"): "viewer",
-    ("GET", "/projects/{p}/snapshots"): "viewer",
-    ("GET", "/projects/{p}/snapshots/{s}"): "viewer",
-    ("GET", "/projects/{p}/snapshots/{s}/difference"): "viewer",
-    ("GET", "/projects/{p}/tasks/{t}"): "viewer",
-    ("GET", "/projects/{p}/tasks/{t}/history"): "viewer",
-    ("GET", "/exports"): "viewer",
-    ("GET", "/classifiers"): "viewer",
-    ("GET", "/classifiers/{id}"): "viewer",
-    ("GET", "/classifiers/{id}/file"): "viewer",
-    ("GET", "/sequences/{seq}/events"): "viewer",
-    ("GET", "/jobs"): "viewer",
-    ("GET", "/jobs/{id}"): "viewer",
-    ("WEBSOCKET", "/stream"): "viewer",
-    ("PUT", "/sequences/{seq}/frames/{i}/annotation"): "annotator",
-    ("PUT", "/sequences/{seq}/frames/{i}/masks/{camera}"): "annotator",
-    ("POST", "/sequences/{seq}/frames/{i}/strokes"): "annotator",
-    ("POST", "/sequences/{seq}/frames/{i}/object"): "annotator",
-    ("POST", "/sequences/{seq}/annotations"): "annotator",
-    ("PUT", "/sequences/{seq}/annotations"): "annotator",
-    ("POST", "/sequences/{seq}/source-labels"): "annotator",
-    ("POST", "/sequences/{seq}/undo"): "annotator",
-    ("POST", "/sequences/{seq}/redo"): "annotator",
-    ("POST", "/sequences/{seq}/labels"): "annotator",
-    ("POST", "/sequences/{seq}/palette"): "annotator",
-    ("PUT", "/sequences/{seq}/palette/order"): "annotator",
-    ("PATCH", "/sequences/{seq}/labels/{id}"): "annotator",
-    ("DELETE", "/sequences/{seq}/labels/{id}"): "annotator",
-    ("POST", "/sequences/{seq}/labels/{id}/merge"): "annotator",
-    ("POST", "/sequences/{seq}/labels/{id}/split"): "annotator",
-    ("POST", "/sequences/{seq}/boxes"): "annotator",
-    ("POST", "/sequences/{seq}/boxes/fit"): "annotator",
-    ("PATCH", "/sequences/{seq}/boxes/{id}"): "annotator",
-    ("DELETE", "/sequences/{seq}/boxes/{id}"): "annotator",
-    ("POST", "/sequences/{seq}/boxes/{id}/points"): "annotator",
-    ("POST", "/sequences/{seq}/floor"): "annotator",
-    ("DELETE", "/sequences/{seq}/floor"): "annotator",
-    ("POST", "/sequences/{seq}/tracking"): "annotator",
-    ("POST", "/classifiers"): "annotator",
-    ("POST", "/classifiers/{id}/teach"): "annotator",
-    ("POST", "/sequences/{seq}/frames/{i}/prediction"): "annotator",
-    ("GET", "/sequences/{seq}/doubt"): "annotator",
-    ("GET", "/sequences/{seq}/starts"): "annotator",
-    ("POST", "/sequences/{seq}/doubt/answers"): "annotator",
-    ("DELETE", "/sequences/{seq}/doubt/answers"): "annotator",
-    ("POST", "/sequences/{seq}/predictions"): "annotator",
-    ("POST", "/sequences/{seq}/people"): "annotator",
-    ("DELETE", "/sequences/{seq}/features"): "annotator",
-    ("POST", "/sequences/{seq}/clear"): "annotator",
-    ("PUT", "/sequences/{seq}/review"): "annotator",
-    ("PUT", "/sequences/{seq}/frames/{i}/review"): "annotator",
-    ("DELETE", "/jobs/{id}"): "annotator",
-    ("POST", "/headset-checks"): "annotator",
-    ("POST", "/headset-reports"): "annotator",
-    ("POST", "/projects/{p}/tasks/next"): "annotator",
-    ("PATCH", "/projects/{p}/tasks/{t}"): "annotator",
-    ("POST", "/sequences/{seq}/frames/{i}/accept"): "reviewer",
-    ("POST", "/sequences/{seq}/frames/{i}/copy"): "annotator",
-    ("POST", "/sequences/{seq}/frames/{i}/clear"): "annotator",
-    ("POST", "/sequences/{seq}/accept"): "reviewer",
-    ("GET", "/projects/{p}/agreement"): "reviewer",
-    ("POST", "/projects/{p}/merge"): "reviewer",
-    ("GET", "/projects/{p}/scores"): "reviewer",
-    ("POST", "/classifiers/file"): "manager",
-    ("DELETE", "/classifiers/{id}"): "manager",
-    ("PUT", "/taxonomy"): "manager",
-    ("POST", "/taxonomy/{number}/merge"): "manager",
-    ("DELETE", "/taxonomy/{number}"): "manager",
-    ("POST", "/projects"): "manager",
-    ("PATCH", "/projects/{p}"): "manager",
-    ("DELETE", "/projects/{p}"): "manager",
-    ("POST", "/projects/{p}/tasks"): "manager",
-    ("POST", "/projects/{p}/imports"): "manager",
-    ("POST", "/projects/{p}/snapshots"): "manager",
-    ("GET", "/headset-reports"): "manager",
-    ("GET", "/accounts"): "manager",
-    ("POST", "/accounts"): "manager",
-    ("GET", "/accounts/{a}/tokens"): "manager",
-    ("POST", "/accounts/{a}/tokens"): "manager",
-    ("DELETE", "/accounts/{a}/tokens"): "manager",
-    ("GET", "/projects/{p}/webhooks"): "manager",
-    ("POST", "/projects/{p}/webhooks"): "manager",
-    ("DELETE", "/projects/{p}/webhooks/{w}"): "manager",
-    ("GET", "/projects/{p}/webhooks/{w}/deliveries"): "manager",
-    ("DELETE", "/projects/{p}/snapshots/{s}"): "manager",
-    ("DELETE", "/projects/{p}/tasks/{t}"): "manager",
-    ("POST", "/sequences"): "manager",
-    ("POST", "/imports/preview"): "manager",
-    ("POST", "/imports/entries"): "manager",
-    ("DELETE", "/imports/{upload}"): "manager",
-    ("PATCH", "/sequences/{seq}"): "manager",
-    ("DELETE", "/sequences/{seq}"): "manager",
-    ("POST", "/sequences/{seq}/restore"): "manager",
-}
-
 DECIDE: Role = "reviewer"
 """Role that may accept and reject frames, and revert an acceptance."""
 ASSIGN: Role = "manager"
@@ -172,6 +23,49 @@ CANCEL_ANY: Role = "manager"
 """Role that may cancel jobs of other people."""
 
 
-def call_of(method: str, path: str) -> tuple[str, str]:
-    """A route's place in the table; ``path`` is its template."""
-    return method, path.removeprefix(PREFIX)
+class _Needed:
+    """A dependency of a route that holds the role; ``auth.caller`` checks it."""
+
+    def __init__(self, role: Role) -> None:
+        self.role = role
+
+    async def __call__(self) -> None:
+        """Do nothing."""
+
+
+def role_of(route: BaseRoute) -> Role | None:
+    """Return the role that calls of a route need; None: the route states none."""
+    parts: Iterable[Any] = getattr(route, "dependencies", ())
+    stated = (part.dependency for part in parts)
+    return next((each.role for each in stated if isinstance(each, _Needed)), None)
+
+
+def needs(
+    role: Role, *problems: int, answers: Mapping[int | str, dict[str, Any]] | None = None
+) -> dict[str, Any]:
+    """Return the arguments of a route for its role and its OpenAPI entries.
+
+    ``problems``: statuses of problem responses beside the common ones; ``answers``: other entries.
+    """
+    entries = {**(answers or {}), **responses(*problems)}
+    return {"dependencies": [Depends(_Needed(role))], "responses": entries}
+
+
+def needs_for_file(
+    role: Role,
+    description: str,
+    *media_types: str,
+    problems: Iterable[int] = (404,),
+    cached: bool = False,
+) -> dict[str, Any]:
+    """Return the arguments of a route that answers with bytes; ``role`` as of ``needs``.
+
+    ``cached``: it answers 304 to a client that has the bytes.
+    """
+    content = dict.fromkeys(media_types, BINARY)
+    answers: dict[int | str, dict[str, Any]] = {
+        200: {"description": description, "content": content}
+    }
+    if cached:
+        answers[304] = {"description": "Not modified"}
+    return {"response_class": Response, **needs(role, *problems, answers=answers)}

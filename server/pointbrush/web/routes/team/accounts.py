@@ -17,15 +17,15 @@ from pointbrush.values.team.accounts import (
     Token,
 )
 from pointbrush.web.context import Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("accounts")
 AccountName = Annotated[str, Path(max_length=LONGEST_NAME, description="name of an account")]
 TokenId = Annotated[str, Query(pattern="^[0-9a-f]{8}$", description="id of one token; else all")]
 
 
-@router.get("/accounts", responses=responses())
+@router.get("/accounts", **needs("manager"))
 def list_accounts(workspace: Ws) -> list[Account]:
     """List the accounts that have or had tokens, by name."""
     return [
@@ -34,7 +34,7 @@ def list_accounts(workspace: Ws) -> list[Account]:
     ]
 
 
-@router.post("/accounts", status_code=201, responses=responses(409, 413))
+@router.post("/accounts", status_code=201, **needs("manager", 409, 413))
 def create_account(body: NewAccount, workspace: Ws, who: Caller) -> NewToken:
     """Add an account with its first token; the answer contains the secret once.
 
@@ -44,20 +44,20 @@ def create_account(body: NewAccount, workspace: Ws, who: Caller) -> NewToken:
     return _made(*made)
 
 
-@router.get("/accounts/{a}/tokens", responses=responses(404))
+@router.get("/accounts/{a}/tokens", **needs("manager", 404))
 def list_tokens(a: AccountName, workspace: Ws) -> list[Token]:
     """List the tokens of an account, oldest first, without their secrets."""
     return [_token(each) for each in workspace.labels.people.get(a).tokens]
 
 
-@router.post("/accounts/{a}/tokens", status_code=201, responses=responses(404, 413))
+@router.post("/accounts/{a}/tokens", status_code=201, **needs("manager", 404, 413))
 def create_token(a: AccountName, body: NewTokenRequest, workspace: Ws, who: Caller) -> NewToken:
     """Add a token to an account; the answer contains the secret once."""
     made = workspace.labels.people.add_token(a, body.role, body.days, who.role)
     return _made(*made)
 
 
-@router.delete("/accounts/{a}/tokens", status_code=204, responses=responses(404))
+@router.delete("/accounts/{a}/tokens", status_code=204, **needs("manager", 404))
 def revoke_tokens(
     a: AccountName,
     workspace: Ws,

@@ -9,8 +9,8 @@ from fastapi import Query
 from pointbrush.values.edits import Edit
 from pointbrush.values.team.tasks import CopyAgreement, CopyMerge, Score
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("agreement")
 Whole = Annotated[
@@ -18,13 +18,13 @@ Whole = Annotated[
 ]
 
 
-@router.get("/projects/{p}/agreement", responses=responses(404))
+@router.get("/projects/{p}/agreement", **needs("reviewer", 404))
 def get_agreement(p: ProjectId, sequence: Whole, workspace: Ws) -> list[CopyAgreement]:
     """Compare the copies of a recording in pairs, in frames that both people have submitted."""
     return workspace.agreeing.compare(p, sequence)
 
 
-@router.post("/projects/{p}/merge", responses=responses(404, 409, 413))
+@router.post("/projects/{p}/merge", **needs("reviewer", 404, 409, 413))
 def merge(p: ProjectId, body: CopyMerge, workspace: Ws, who: Caller) -> Edit:
     """Write the labels of one copy, or of the majority, into the recording, as one edit."""
     return workspace.agreeing.merge(
@@ -32,7 +32,7 @@ def merge(p: ProjectId, body: CopyMerge, workspace: Ws, who: Caller) -> Edit:
     )
 
 
-@router.get("/projects/{p}/scores", responses=responses(404))
+@router.get("/projects/{p}/scores", **needs("reviewer", 404))
 def get_scores(p: ProjectId, workspace: Ws) -> list[Score]:
     """Compare the submitted labels of each person with the ground truth, the best first."""
     return workspace.agreeing.scores(p)

@@ -12,8 +12,8 @@ from fastapi import Query, Response
 
 from pointbrush.values.team.review import Agreement, Checked
 from pointbrush.web.context import FramePath, SequenceId, Ws
-from pointbrush.web.problems import file_responses, responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
+from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.reviewing.comparing import By
 from pointbrush.work.reviewing.report.gather import Table, to_csv
 from pointbrush.work.reviewing.report.html import POLICY, to_html
@@ -33,7 +33,7 @@ CompareBy = Annotated[By, Query(description="match labels by their `name` or by 
 TEXT = {"schema": {"type": "string"}}
 
 
-@router.get("/sequences/{seq}/checks", responses=responses(404))
+@router.get("/sequences/{seq}/checks", **needs("viewer", 404))
 def get_checks(
     seq: SequenceId,
     workspace: Ws,
@@ -46,7 +46,7 @@ def get_checks(
     return workspace.reviewing.checks(seq, frames)
 
 
-@router.get("/sequences/{seq}/agreement", responses=responses(404))
+@router.get("/sequences/{seq}/agreement", **needs("viewer", 404))
 def get_agreement(
     seq: SequenceId,
     workspace: Ws,
@@ -68,7 +68,9 @@ def get_agreement(
     return replace(found, boxes=compared)
 
 
-@router.get("/sequences/{seq}/frames/{i}/agreement", **file_responses("The frame from above", PNG))
+@router.get(
+    "/sequences/{seq}/frames/{i}/agreement", **needs_for_file("viewer", "The frame from above", PNG)
+)
 def get_difference(
     seq: SequenceId,
     i: FramePath,
@@ -89,10 +91,13 @@ def get_difference(
 @router.get(
     "/sequences/{seq}/report",
     response_class=Response,
-    responses={
-        200: {"description": "The report", "content": {"text/html": TEXT, "text/csv": TEXT}},
-        **responses(404),
-    },
+    **needs(
+        "viewer",
+        404,
+        answers={
+            200: {"description": "The report", "content": {"text/html": TEXT, "text/csv": TEXT}}
+        },
+    ),
 )
 def get_report(
     seq: SequenceId,

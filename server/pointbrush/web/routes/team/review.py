@@ -17,22 +17,21 @@ from pointbrush.values.team.review import (
     Standing,
 )
 from pointbrush.web.context import FramePath, SequenceId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, Principal, resource
-from pointbrush.web.security.roles import ASSIGN, DECIDE
+from pointbrush.web.security.roles import ASSIGN, DECIDE, needs
 from pointbrush.workspace import Workspace
 
 router = resource("review")
 DECISIONS = frozenset({"accepted", "rejected"})
 
 
-@router.get("/sequences/{seq}/review", responses=responses(404))
+@router.get("/sequences/{seq}/review", **needs("viewer", 404))
 def get_review(seq: SequenceId, workspace: Ws) -> ReviewOverview:
     """Return the state of each frame and label."""
     return workspace.reviewing.overview(seq)
 
 
-@router.put("/sequences/{seq}/review", responses=responses(404, 413))
+@router.put("/sequences/{seq}/review", **needs("annotator", 404, 413))
 def put_review(seq: SequenceId, body: ReviewPatch, workspace: Ws, who: Caller) -> ReviewOverview:
     """Set state, note or assignee of frames ``first`` to ``last``, or state and note of a label.
 
@@ -43,7 +42,7 @@ def put_review(seq: SequenceId, body: ReviewPatch, workspace: Ws, who: Caller) -
     return workspace.reviewing.overview(seq)
 
 
-@router.get("/sequences/{seq}/review/history", responses=responses(404))
+@router.get("/sequences/{seq}/review/history", **needs("viewer", 404))
 def get_history(
     seq: SequenceId,
     workspace: Ws,
@@ -53,7 +52,7 @@ def get_history(
     return [_decision(each) for each in workspace.reviewing.history(seq)[:limit]]
 
 
-@router.get("/sequences/{seq}/frames/{i}/review", responses=responses(404))
+@router.get("/sequences/{seq}/frames/{i}/review", **needs("viewer", 404))
 def get_frame_review(
     seq: SequenceId,
     i: FramePath,
@@ -64,7 +63,7 @@ def get_frame_review(
     return workspace.reviewing.frame(seq, i, label or 0)
 
 
-@router.put("/sequences/{seq}/frames/{i}/review", responses=responses(404, 413))
+@router.put("/sequences/{seq}/frames/{i}/review", **needs("annotator", 404, 413))
 def put_frame_review(
     seq: SequenceId, i: FramePath, body: FrameReviewPatch, workspace: Ws, who: Caller
 ) -> Standing:

@@ -8,20 +8,20 @@ from fastapi import Path, Query, Response
 
 from pointbrush.values.team.snapshots import Difference, NewSnapshot, Snapshot
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, TheGate, resource
+from pointbrush.web.security.roles import needs
 
 router = resource("snapshots")
 SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="snapshot id")]
 
 
-@router.get("/projects/{p}/snapshots", responses=responses(404))
+@router.get("/projects/{p}/snapshots", **needs("viewer", 404))
 def list_snapshots(p: ProjectId, workspace: Ws) -> list[Snapshot]:
     """List the versions of a project's labels, the newest first."""
     return workspace.versions.all(p)
 
 
-@router.post("/projects/{p}/snapshots", status_code=201, responses=responses(404, 409, 413))
+@router.post("/projects/{p}/snapshots", status_code=201, **needs("manager", 404, 409, 413))
 def create_snapshot(
     p: ProjectId, body: NewSnapshot, response: Response, workspace: Ws, who: Caller
 ) -> Snapshot:
@@ -31,19 +31,19 @@ def create_snapshot(
     return made
 
 
-@router.get("/projects/{p}/snapshots/{s}", responses=responses(404))
+@router.get("/projects/{p}/snapshots/{s}", **needs("viewer", 404))
 def get_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> Snapshot:
     """Return a version."""
     return workspace.versions.get(p, s)
 
 
-@router.delete("/projects/{p}/snapshots/{s}", status_code=204, responses=responses(404))
+@router.delete("/projects/{p}/snapshots/{s}", status_code=204, **needs("manager", 404))
 def delete_snapshot(p: ProjectId, s: SnapshotId, workspace: Ws) -> None:
     """Delete a version; labels stay."""
     workspace.versions.remove(p, s)
 
 
-@router.get("/projects/{p}/snapshots/{s}/difference", responses=responses(404))
+@router.get("/projects/{p}/snapshots/{s}/difference", **needs("viewer", 404))
 def get_difference(
     p: ProjectId,
     s: SnapshotId,

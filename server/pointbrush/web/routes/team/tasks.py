@@ -12,9 +12,8 @@ from pointbrush.teamwork.tasks import Wanted
 from pointbrush.values.kinds import TaskState
 from pointbrush.values.team.tasks import NewTasks, NextTask, Task, TaskEvent, TaskPatch
 from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
-from pointbrush.web.problems import responses
 from pointbrush.web.security.auth import Caller, Principal, resource
-from pointbrush.web.security.roles import DECIDE
+from pointbrush.web.security.roles import DECIDE, needs
 
 router = resource("tasks")
 TaskNumber = Annotated[int, Path(ge=1, lt=2**31, description="number of the task")]
@@ -24,7 +23,7 @@ def _asker(who: Principal) -> Asker:
     return Asker(who.author, who.role)
 
 
-@router.get("/projects/{p}/tasks", responses=responses(404))
+@router.get("/projects/{p}/tasks", **needs("viewer", 404))
 def list_tasks(
     p: ProjectId,
     workspace: Ws,
@@ -42,7 +41,7 @@ def list_tasks(
     return [*workspace.queue.entries(p, wanted, _asker(who))]
 
 
-@router.post("/projects/{p}/tasks", status_code=201, responses=responses(404, 409, 413))
+@router.post("/projects/{p}/tasks", status_code=201, **needs("manager", 404, 409, 413))
 def create_tasks(p: ProjectId, body: NewTasks, workspace: Ws, who: Caller) -> list[Task]:
     """Create a task for each recording, or for each ``every`` frames of it.
 
@@ -52,7 +51,7 @@ def create_tasks(p: ProjectId, body: NewTasks, workspace: Ws, who: Caller) -> li
     return [*workspace.queue.add(p, who.author, body)]
 
 
-@router.post("/projects/{p}/tasks/next", responses=responses(404, 413))
+@router.post("/projects/{p}/tasks/next", **needs("annotator", 404, 413))
 def next_task(
     p: ProjectId, workspace: Ws, who: Caller, body: NextTask | None = None
 ) -> Task | None:
@@ -67,13 +66,13 @@ def next_task(
     return workspace.queue.next(p, who.author, review=review)
 
 
-@router.get("/projects/{p}/tasks/{t}", responses=responses(404))
+@router.get("/projects/{p}/tasks/{t}", **needs("viewer", 404))
 def get_task(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> Task:
     """Return a task."""
     return workspace.queue.get(p, t, _asker(who))
 
 
-@router.patch("/projects/{p}/tasks/{t}", responses=responses(404, 409, 413))
+@router.patch("/projects/{p}/tasks/{t}", **needs("annotator", 404, 409, 413))
 def patch_task(p: ProjectId, t: TaskNumber, body: TaskPatch, workspace: Ws, who: Caller) -> Task:
     """Submit, release, accept or return a task, with a note at a position.
 
@@ -83,13 +82,13 @@ def patch_task(p: ProjectId, t: TaskNumber, body: TaskPatch, workspace: Ws, who:
     return workspace.queue.change(p, t, _asker(who), body)
 
 
-@router.delete("/projects/{p}/tasks/{t}", status_code=204, responses=responses(404))
+@router.delete("/projects/{p}/tasks/{t}", status_code=204, **needs("manager", 404))
 def delete_task(p: ProjectId, t: TaskNumber, workspace: Ws) -> None:
     """Remove a task and its history; labels stay."""
     workspace.queue.remove(p, t)
 
 
-@router.get("/projects/{p}/tasks/{t}/history", responses=responses(404))
+@router.get("/projects/{p}/tasks/{t}/history", **needs("viewer", 404))
 def get_task_history(p: ProjectId, t: TaskNumber, workspace: Ws, who: Caller) -> list[TaskEvent]:
     """List the changes of a task, the newest first."""
     return workspace.queue.history(p, t, _asker(who))
