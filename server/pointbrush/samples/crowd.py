@@ -87,7 +87,6 @@ class CrowdScene(LivingRoom):
 
     @property
     def labels(self) -> list[LabelInfo]:
-        """See Scene."""
         count = len(self._walks)
         colors = (*COLORS, "#d9c23f")
         found = [LabelInfo(p + 1, f"person {p + 1}", "person", colors[p]) for p in range(count)]
@@ -97,7 +96,6 @@ class CrowdScene(LivingRoom):
         return found
 
     def at(self, t: float) -> Moment:
-        """See Scene."""
         solids, balls = [], []
         postures = [walk.posture(t) for walk in self._walks]
         for p, (walk, posture) in enumerate(zip(self._walks, postures, strict=True)):

@@ -104,7 +104,6 @@ class JugglingScene(LivingRoom):
         return result
 
     def at(self, t: float) -> Moment:
-        """See Scene."""
         poses = {k + 1: self.juggle.pin(k, self.start + t) for k in range(self.juggle.pins)}
         postures = [self._posture(p, t) for p in range(self.options.people)]
         solids, balls = [], []

@@ -41,16 +41,13 @@ class LivingRoom:
 
     @property
     def camera_pose(self) -> Array:
-        """See Scene."""
         return self._camera
 
     @property
     def lights(self) -> Lights:
-        """See Scene."""
         return _day_light()
 
     def still(self) -> list[Solid]:
-        """See Scene."""
         return _furnished(np.random.default_rng([self._seed, 3]))
 
 

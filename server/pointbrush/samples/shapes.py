@@ -47,7 +47,6 @@ class _Unit:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """See Shape."""
         return vec(-1, -1, -1), vec(1, 1, 1)
 
 
@@ -56,11 +55,9 @@ class Ball(_Unit):
     """Unit ball; an ellipsoid by scale."""
 
     def hit(self, o: Field, d: Field) -> Field:
-        """See Shape."""
         return _sphere(o, d, dot3(d, d), 1.0)
 
     def normal(self, p: Field) -> Field:
-        """See Shape."""
         return p
 
 
@@ -69,7 +66,6 @@ class Box(_Unit):
     """The cube -1..1."""
 
     def hit(self, o: Field, d: Field) -> Field:
-        """See Shape."""
         with np.errstate(divide="ignore"):
             inverse = 1.0 / np.where(d == 0, np.float32(1e-20), d)
         a = (-1 - o)[:, None] * inverse
@@ -79,7 +75,6 @@ class Box(_Unit):
         return np.where((near < far) & (near > 0), near, MISS)
 
     def normal(self, p: Field) -> Field:
-        """See Shape."""
         face = np.abs(p).argmax(axis=0)
         n = np.zeros_like(p)
         columns = np.arange(p.shape[1])
@@ -97,7 +92,6 @@ class RoundCone:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """See Shape."""
         r = max(self.ra, self.rb)
         return vec(-r, -self.ra, -r), vec(r, self.length + self.rb, r)
 
@@ -122,7 +116,6 @@ class RoundCone:
         return np.asarray(np.where(good, np.minimum(t, side), t) / speed, np.float32)
 
     def normal(self, p: Field) -> Field:
-        """See Shape."""
         slope = self.ra - self.rb
         span = self.length * self.length - slope * slope
         y = self.length * p[1] - self.ra * slope
@@ -136,12 +129,10 @@ class Cylinder(_Unit):
     """Radius 1 round y, capped at y = -1 and 1."""
 
     def hit(self, o: Field, d: Field) -> Field:
-        """See Shape."""
         near, far = _cylinder_span(o, d)
         return np.where((near < far) & (near > 0), near, MISS)
 
     def normal(self, p: Field) -> Field:
-        """See Shape."""
         n = p.copy()
         side = p[0] * p[0] + p[2] * p[2] > np.abs(p[1])
         n[1] = np.where(side, 0, p[1])
@@ -166,7 +157,6 @@ class Lathe:
 
     @property
     def bounds(self) -> tuple[Array, Array]:
-        """See Shape."""
         r = float(self._r.max())
         return vec(-r, float(self._y[0]), -r), vec(r, float(self._y[-1]), r)
 
@@ -208,7 +198,6 @@ class Lathe:
         return np.asarray((r > 0) & (x * x + z * z <= r * r))
 
     def normal(self, p: Field) -> Field:
-        """See Shape."""
         slope = np.interp(p[1], self._y, self._slope).astype(np.float32)
         n = p.copy()
         n[1] = -slope * np.sqrt(p[0] * p[0] + p[2] * p[2])

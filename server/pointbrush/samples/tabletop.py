@@ -308,7 +308,6 @@ class TabletopScene:
 
     @property
     def labels(self) -> list[LabelInfo]:
-        """See Scene."""
         result = [
             LabelInfo(k + 1, thing.name, "thing", thing.color)
             for k, thing in enumerate(self._things)
@@ -319,12 +318,10 @@ class TabletopScene:
 
     @property
     def camera_pose(self) -> Array:
-        """See Scene."""
         return tripod(1.32, 28.0)
 
     @property
     def lights(self) -> Lights:
-        """See Scene."""
         return Lights(
             (
                 Lamp(vec(-1.6, 1.9, -0.4), (2.4, 2.35, 2.3), 2.0, 0.4),
@@ -333,7 +330,6 @@ class TabletopScene:
         )
 
     def still(self) -> list[Solid]:
-        """See Scene."""
         oak = Material(partial(wood, color=linear("#a9764a")), 0.6, 0.15)
         floor = Material(partial(planks, color=linear("#8f6a48")), 0.5)
         wall = Material(partial(wallpaper, color=linear("#aab6b4")), 0.65)
@@ -355,7 +351,6 @@ class TabletopScene:
         return parts
 
     def at(self, t: float) -> Moment:
-        """See Scene."""
         poses = {k + 1: self._script.pose(k, t) for k in range(len(self._things))}
         posture = self._posture(t)
         solids = body(self._look, posture, self._person)

@@ -216,12 +216,10 @@ class WalkingScene(LivingRoom):
         self._boxes = [TurningBox.drawn(x, rng) for x in BOX_XS[: options.boxes]]
 
     def still(self) -> list[Solid]:
-        """See Scene."""
         return [*super().still(), *(box.stand() for box in self._boxes)]
 
     @property
     def labels(self) -> list[LabelInfo]:
-        """See Scene."""
         count = len(self._walks)
         found = [LabelInfo(p + 1, f"person {p + 1}", "person", COLORS[p]) for p in range(count)]
         names = [f"box {k + 1}" for k in range(len(self._boxes))]

@@ -35,15 +35,6 @@ Edit = (
     | messages.Redo
     | messages.Track
 )
-EDITS = (
-    messages.StrokeBegin,
-    messages.StrokeSamples,
-    messages.StrokeEnd,
-    messages.StrokeCancel,
-    messages.Undo,
-    messages.Redo,
-    messages.Track,
-)
 WAITING, WAITING_BYTES = 1024, 12 << 20
 """Limits of a viewer's queue in edits and in bytes; above them, the socket is not read.
 

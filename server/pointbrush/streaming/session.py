@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, get_args
 
 from pointbrush import __version__
 from pointbrush.accounts.accounts import MARK, OWNER, require_name
@@ -26,7 +26,7 @@ from pointbrush.errors import (
 )
 from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
-from pointbrush.streaming.edits import EDITS, LONG_BYTES, Editor
+from pointbrush.streaming.edits import LONG_BYTES, Edit, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack
 from pointbrush.streaming.hub import Hub, compiling
 from pointbrush.streaming.plan import Plan, PlayClock
@@ -39,7 +39,7 @@ from pointbrush.work.annotate.overlays import require_overlaid
 
 MESSAGES_PER_TURN = 8
 """Messages of one viewer that are handled in one iteration of the event loop."""
-SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in EDITS))
+SLOW = ("hello", "open", *(edit.model_fields["type"].default for edit in get_args(Edit)))
 """Types of messages that wait for files, the database, or each other."""
 
 
@@ -186,7 +186,7 @@ class ViewerSession(Viewer):
         try:
             long = len(data) > LONG_BYTES
             message = await self.hub.read(decode, data) if long else decode(data)
-            if isinstance(message, EDITS):
+            if isinstance(message, Edit):
                 about = message.id
                 await self._editor.put(message, data)
             elif isinstance(message, messages.Hello):

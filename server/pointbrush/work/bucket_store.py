@@ -50,7 +50,6 @@ class BucketTarget:
 
     @contextmanager
     def building(self, progress: Progress) -> Iterator[Path]:
-        """See FolderTarget."""
         with _staging(self.bucket) as made:
             yield made
             self.bucket.publish(made, self.name, progress)
@@ -75,18 +74,15 @@ class BucketStore:
         """See FolderStore; missing permission is noticed at the first write."""
 
     def require_answer(self) -> None:
-        """See FolderStore."""
         self._bucket.require_answer()
 
     def ids(self) -> list[str]:
-        """See FolderStore."""
         names = [name for name in self._bucket.folders() if name[0] != "."]
         with ThreadPoolExecutor(self.at_once) as pool:
             versions = list(pool.map(self.version, names))
         return [name for name, version in zip(names, versions, strict=True) if version is not None]
 
     def version(self, sequence: str) -> str | None:
-        """See FolderStore."""
         now = time.monotonic()
         with self._lock:
             checked_at, known = self._versions.get(sequence, (float("-inf"), None))
@@ -109,7 +105,6 @@ class BucketStore:
         return found
 
     def forget(self, sequence: str) -> None:
-        """See FolderStore."""
         with self._lock:
             self._versions.pop(sequence, None)
 
@@ -118,41 +113,33 @@ class BucketStore:
         return self.version(sequence) is not None
 
     def is_free(self, sequence: str) -> bool:
-        """See FolderStore."""
         return not self._bucket.exists(sequence)
 
     def files(self, sequence: str) -> BucketFiles:
-        """See FolderStore."""
         return BucketFiles(self._bucket, sequence)
 
     def missing(self, files: RecordingFiles, frames: int) -> None:
         """See FolderStore; not checked, as it would list all objects of a recording each time."""
 
     def update(self, sequence: str, **fields: Any) -> None:
-        """See FolderStore."""
         manifest = changed_manifest(self.files(sequence).manifest(), **fields)
         self._bucket.write(f"{sequence}/{FILE}", encode_manifest(manifest))
         self.forget(sequence)
 
     def target(self, sequence: str) -> BucketTarget:
-        """See FolderStore."""
         return BucketTarget(self._bucket, sequence)
 
     def staging(self) -> AbstractContextManager[Path]:
-        """See FolderStore."""
         return _staging(self._bucket)
 
     def publish(self, made: Path, sequence: str) -> None:
-        """See FolderStore."""
         self._bucket.publish(made, sequence)
         self.forget(sequence)
 
     def clean(self) -> None:
-        """See FolderStore."""
         clean_temporary(self.folder / STAGING)
 
     def clear_remains(self, importing: Callable[[], set[str]]) -> None:
-        """See FolderStore."""
         # In this order: later imports are not in the list, and finished ones have a manifest.
         there = {name for name in self._bucket.folders() if name[0] != "."} - importing()
         alone = {name for name in there if self._is_alone(name)}
@@ -181,7 +168,6 @@ class _Deleted:
 
     @contextmanager
     def alone(self) -> Iterator[None]:
-        """See Trash."""
         with (self._store.folder / LOCK).open("a") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             yield
@@ -194,20 +180,16 @@ class _Deleted:
         return {place.split("/")[1] for place in self._bucket.sizes(DELETED)}
 
     def is_empty(self) -> bool:
-        """See Trash."""
         return not self._bucket.exists(DELETED)
 
     def is_unmoved(self, known: Known) -> bool:
-        """See Trash."""
         manifest = self._read(f"{known.id}/{FILE}", known.id)
         return manifest is not None and manifest.identity == known.identity
 
     def is_in_trash(self, known: Known) -> bool:
-        """See Trash."""
         return not self._store.has(known.id) and self._bucket.exists(self._place(known))
 
     def manifest(self, known: Known) -> Manifest | None:
-        """See Trash."""
         return self._read(self._place(known), known.id)
 
     def _read(self, place: str, name: str) -> Manifest | None:
@@ -218,19 +200,15 @@ class _Deleted:
             return None
 
     def ids_for(self, known: Known) -> Iterator[str]:
-        """See Trash."""
         return iter([known.id])
 
     def has_room(self, known: Known, sequence: str) -> bool:
-        """See Trash."""
         return sequence == known.id and self._bucket.version(f"{sequence}/{FILE}") is None
 
     def move_to_trash(self, known: Known) -> None:
-        """See Trash."""
         self._move(f"{known.id}/{FILE}", self._place(known), known.id)
 
     def move_back(self, known: Known) -> None:
-        """See Trash."""
         self._move(self._place(known), f"{known.id}/{FILE}", known.id)
 
     def _move(self, source: str, target: str, name: str) -> None:
@@ -241,7 +219,6 @@ class _Deleted:
         self._store.forget(name)
 
     def purge(self, known: Known) -> None:
-        """See Trash."""
         place = self._place(known)
         if self._bucket.exists(place) and not self._store.has(known.id):
             self._bucket.remove([known.id])

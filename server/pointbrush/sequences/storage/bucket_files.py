@@ -42,7 +42,6 @@ class BucketFiles:
         return f"{self._bucket.url}/{self._name}"
 
     def manifest(self) -> Manifest:
-        """See FolderFiles."""
         data = self._bucket.read(f"{self._name}/{FILE}")
         if data is None:
             raise NotFoundError(f"expected a sequence in {self._name}, got no {FILE}")
@@ -51,7 +50,6 @@ class BucketFiles:
 
     @cached_property
     def path(self) -> Path:
-        """See FolderFiles."""
         # An import's files never change: files of another import of this name are in its folder.
         path = self._bucket.folder / (self._known or self.manifest()).identity
         path.mkdir(parents=True, exist_ok=True)
@@ -64,7 +62,6 @@ class BucketFiles:
         return ReadAhead(frames, sum(self._sizes.values()), self._fetch_ahead)
 
     def checksums(self) -> dict[str, str] | None:
-        """See FolderFiles."""
         if CHECKSUMS not in self._sizes:
             return None
         with self._hold([CHECKSUMS]):
@@ -88,7 +85,6 @@ class BucketFiles:
         return dict(found)
 
     def hold(self, index: int, part: str) -> Hold:
-        """See FolderFiles."""
         try:
             held = self._hold_frame(index, part)
         except DamagedError:
@@ -147,23 +143,18 @@ class BucketFiles:
         return kind(f"expected the file {name}, it is missing")
 
     def is_gone(self) -> bool:
-        """See FolderFiles."""
         return self._gone
 
     def names(self) -> set[str]:
-        """See FolderFiles."""
         return self._sizes.keys() - {CHECKSUMS, FILE, SENSOR}
 
     def digest(self, name: str) -> str:
-        """See FolderFiles."""
         return self._bucket.digest(f"{self._name}/{name}")
 
     def write(self, name: str, data: bytes) -> None:
-        """See FolderFiles."""
         self._bucket.write(f"{self._name}/{name}", data)
 
     def copy_to(self, target: Path, earlier: Path | None = None) -> None:
-        """See FolderFiles."""
         kept = KeptFiles(self.checksums(), earlier)
         for name, size in self._sizes.items():
             place = target / name

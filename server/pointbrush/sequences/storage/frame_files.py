@@ -173,7 +173,6 @@ class CopiedFiles(FrameFiles):
             self.depth_ends = read_array(self.path, self._layout, "depth_ends")
 
     def paths(self, names: Collection[str]) -> list[Path]:  # noqa: ARG002 - one file has all
-        """See FrameFiles."""
         return [self.path]
 
     def arrays(self) -> Arrays:
@@ -189,15 +188,12 @@ class CopiedFiles(FrameFiles):
             return parse_arrays(self.path, data)
 
     def array(self, name: str) -> NDArray[Any]:
-        """See FrameFiles."""
         return self.arrays()[name]
 
     def rows(self, name: str, first: int, stop: int) -> NDArray[Any]:
-        """See FrameFiles."""
         return self.arrays()[name][first:stop]
 
     def wire(self, start: int, stop: int) -> memoryview:
-        """See FrameFiles."""
         view = self._wire
         if view is None or _cut(view) or verifier.suspects(self.path):
             with self.telling():
@@ -245,31 +241,26 @@ class MappedFiles(FrameFiles):
             verifier.soon(path, self.checksum(path))
 
     def paths(self, names: Collection[str]) -> list[Path]:
-        """See FrameFiles."""
         kept = {self.positions if name == "xyz" else name for name in names}
         return [self.path / f"{name}.npy" for name in sorted(kept & self._arrays.keys())]
 
     def array(self, name: str) -> NDArray[Any]:
-        """See FrameFiles."""
         with self.telling():
             self._look(name)
         return self._arrays[name]
 
     def rows(self, name: str, first: int, stop: int) -> NDArray[Any]:
-        """See FrameFiles."""
         path = self.path / f"{name}.npy"
         with self.telling():
             verifier.refuse_damaged(path)
             return read_rows(path, first, stop)
 
     def wire(self, start: int, stop: int) -> memoryview:
-        """See FrameFiles."""
         with self.telling():
             verifier.refuse_damaged(self._wire_path)
             return memoryview(read_range(self._wire_path, start, stop))
 
     def look(self) -> None:
-        """See FrameFiles."""
         with self.telling():
             for name in self._arrays:
                 self._look(name)
@@ -285,7 +276,6 @@ class MappedFiles(FrameFiles):
                 )
 
     def release(self) -> None:
-        """See FrameFiles."""
         self.look()
         for array in self._arrays.values():
             release(array)
@@ -306,7 +296,6 @@ class PackedFiles(MappedFiles):
             raise DamagedError(f"expected coordinates in {self.path.name}, got: {error}") from error
 
     def array(self, name: str) -> NDArray[Any]:
-        """See FrameFiles."""
         if name != "xyz":
             return super().array(name)
         # A weak reference: while a caller uses the array, further calls do not unpack it again.
@@ -318,17 +307,14 @@ class PackedFiles(MappedFiles):
         return whole
 
     def rows(self, name: str, first: int, stop: int) -> NDArray[Any]:
-        """See FrameFiles."""
         if name != "xyz":
             return super().rows(name, first, stop)
         return self._packed.local(first, stop, self._words(first, stop))
 
     def source(self, first: int, stop: int) -> NDArray[Any]:
-        """See FrameFiles."""
         return self._packed.source(first, stop, self._words(first, stop))
 
     def coordinates(self) -> Coordinates:
-        """See FrameFiles."""
         with self.telling():
             self._look(self.positions)
         return self._packed
