@@ -1,7 +1,7 @@
 /** Changes of boxes: each is one edit of the server's, and shows before it has answered. */
 import { batch, signal } from '@preact/signals';
 import { Matrix4 } from 'three';
-import { attempt, sequencePath } from '../engine/recordings/recordings';
+import { attempt, openPath } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import type { Job } from '../protocol/messages';
 import type { BoxEdit, BoxFit, FittedBoxes, Placement } from '../protocol/values';
@@ -78,11 +78,6 @@ export function dropDraft(): boolean {
   return hadDraft;
 }
 
-function path(of: string | number = ''): string {
-  const base = `${sequencePath(state.sequence.peek()?.id ?? '')}/boxes`;
-  return of === '' ? base : `${base}/${of}`;
-}
-
 function take({ box, revision }: BoxEdit): void {
   takeBoxes({ revision, boxes: [box], removed: [], whole: false });
 }
@@ -100,7 +95,7 @@ export async function changeBox(id: number, patch: BoxPatch): Promise<void> {
   const answered = expectChange(id, patch);
   const edit = crypto.randomUUID();
   await attempt('The box was not changed', async () => {
-    take(await inOrder(() => api<BoxEdit>('PATCH', path(id), { ...patch, edit })));
+    take(await inOrder(() => api<BoxEdit>('PATCH', openPath(`boxes/${id}`), { ...patch, edit })));
   });
   answered();
 }
@@ -108,7 +103,7 @@ export async function changeBox(id: number, patch: BoxPatch): Promise<void> {
 export async function removeBox({ id }: ObjectBox): Promise<void> {
   const answered = expectChange(id, null);
   await attempt('The box was not deleted', async () => {
-    const { revision } = await inOrder(() => api<BoxEdit>('DELETE', path(id)));
+    const { revision } = await inOrder(() => api<BoxEdit>('DELETE', openPath(`boxes/${id}`)));
     takeBoxes({ revision, boxes: [], removed: [id], whole: false });
   });
   answered();
@@ -125,7 +120,7 @@ export async function addBox({ size, centre, quaternion }: Shape): Promise<void>
   await attempt('The box was not made', async () => {
     const edit = crypto.randomUUID();
     const made = { label, size, poses: { [frame]: pose }, provenance: 'drawn' };
-    const answer = await inOrder(() => api<BoxEdit>('POST', path(), { ...made, edit }));
+    const answer = await inOrder(() => api<BoxEdit>('POST', openPath('boxes'), { ...made, edit }));
     take(answer);
     picked.value = answer.box.id;
   });
@@ -153,7 +148,7 @@ const MAX_LISTED_LABELS = 3;
 export function fitBoxes({ labels, category, frames, redraw = false }: BoxFit): Promise<void> {
   return attempt('No box was fitted', async () => {
     const body = { labels, category, frames, redraw };
-    const { id } = await api<{ id: string }>('POST', path('fit'), body);
+    const { id } = await api<{ id: string }>('POST', openPath('boxes/fit'), body);
     ended(
       (job) => job.id === id,
       (job) => {
@@ -205,7 +200,7 @@ export function pointsFromBox(everywhere: boolean): Promise<void> {
   if (!box) return Promise.resolve();
   return attempt('The points were not labelled', async () => {
     const frames = everywhere ? null : `${frame}:${frame + 1}`;
-    await inOrder(() => api('POST', path(`${box.id}/points`), frames ? { frames } : {}));
+    await inOrder(() => api('POST', openPath(`boxes/${box.id}/points`), frames ? { frames } : {}));
     notify('success', 'The points in the box are labelled');
   });
 }
@@ -258,8 +253,8 @@ function matrixOf(rows: readonly number[]): Matrix4 {
 
 /** Transforms into `frame` of frames around it; source coordinates. */
 async function placements(frame: number, before: number, after: number): Promise<Placement[]> {
-  const base = `${sequencePath(state.sequence.peek()?.id ?? '')}/frames/${frame}/placements`;
-  return api<Placement[]>('GET', `${base}?before=${before}&after=${after}`);
+  const path = openPath(`frames/${frame}/placements?before=${before}&after=${after}`);
+  return api<Placement[]>('GET', path);
 }
 
 /** The pose that a box has in `from`, in `to`: along with its label's track, or with the ground. */

@@ -35,13 +35,13 @@ import { Detail } from './detail';
 import { floorActions } from './floor';
 import { Following } from './following';
 import { Inbox } from './inbox';
-import { labelActions, partActions, stripActions } from './labels/labels';
+import { labelActions } from './labels/labels';
 import { Pacing } from './pacing';
 import { paletteActions } from './labels/palette-files';
 import { Playback } from './playback';
 import { importActions } from './recordings/importing';
 import { recordingActions } from './recordings/recordings';
-import { forgetRun, reviewActions, startRun, stretchActions, unsure } from './review';
+import { forgetRun, reviewActions, startRun, unsure } from './review';
 import { showTravel, timeActions } from './time';
 
 const openedId = computed(() => state.sequence.value?.id ?? null);
@@ -223,12 +223,9 @@ export class Engine {
     bindActions(recordingActions);
     bindActions(importActions);
     bindActions(labelActions);
-    bindActions(partActions);
     bindActions(paletteActions);
-    bindActions(stripActions);
     bindActions(brushActions);
     bindActions(reviewActions);
-    bindActions(stretchActions);
     bindActions(floorActions);
     bindActions(timeActions(this.playback));
     bindActions({

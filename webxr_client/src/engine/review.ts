@@ -5,7 +5,7 @@ import { api } from '../net/rest';
 import { cellKind, wantsLook } from '../store/cells';
 import { dismiss, notify, state, type TimelineRow } from '../store/state';
 import { follow } from '../store/watch';
-import { attempt, sequencePath } from './recordings/recordings';
+import { attempt, openPath } from './recordings/recordings';
 
 interface Halt {
   /** The frame that it stopped at, and the one that it was to reach. */
@@ -139,21 +139,11 @@ function continueRun(): void {
 }
 
 async function acceptFrame(): Promise<void> {
-  const id = encodeURIComponent(state.sequence.peek()?.id ?? '');
-  const frame = state.frame.peek();
+  const path = openPath(`frames/${state.frame.peek()}/accept`);
   const labels = unsure.peek();
   if (labels.length === 0) return;
-  await attempt('The labels were not confirmed', async () => {
-    await api('POST', `sequences/${id}/frames/${frame}/accept`, { labels });
-  });
+  await attempt('The labels were not confirmed', () => api('POST', path, { labels }));
 }
-
-export const reviewActions = {
-  tracking: {
-    acceptFrame,
-    continueRun,
-  },
-} satisfies ActionParts;
 
 /** A stretch of frames that a label is doubtful in: judged, or tracked again, in one press. */
 export interface Stretch {
@@ -185,14 +175,8 @@ function doubtful(rows: Rows, id: number, frame: number): boolean {
   return row !== undefined && wantsLook(cellKind(row, frame));
 }
 
-interface TrackingRun {
-  readonly labels: number[];
-  readonly start: number;
-  readonly stop: number;
-}
-
 /** Return the run that tracks a stretch again, from the sure frame before it, or else after it. */
-export function runOver({ labels, start, stop }: Stretch, rows: Rows): TrackingRun | null {
+export function runOver({ labels, start, stop }: Stretch, rows: Rows): Stretch | null {
   for (const [from, to] of [[start - 1, stop], [stop + 1, start]] as const) {
     const sureLabels = labels.filter(
       (id) => (rows.get(id)?.points[from] ?? 0) > 0 && !doubtful(rows, id, from),
@@ -211,25 +195,22 @@ export const stretch: ReadonlySignal<Stretch | null> = computed(() => {
 
 async function judge(what: 'accept' | 'clear', failed: string): Promise<void> {
   const found = stretch.peek();
-  const { id } = state.sequence.peek() ?? {};
-  if (!found || id === undefined) return;
-  const { labels, start, stop } = found;
-  await attempt(failed, async () => {
-    await api('POST', `${sequencePath(id)}/${what}`, { labels, start, stop });
-  });
+  if (found) await attempt(failed, () => api('POST', openPath(what), found));
 }
 
 function trackStretch(): void {
   const found = stretch.peek();
   if (!found) return;
   const run = runOver(found, state.timeline.peek().rows);
-  if (run)
-    actions.tracking.track({ ...run, method: 'auto', overwrite: 'tracked', continue_lost: true });
+  const how = { method: 'auto', overwrite: 'tracked', continue_lost: true } as const;
+  if (run) actions.tracking.track({ ...how, ...run, labels: [...run.labels] });
   else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
 }
 
-export const stretchActions = {
+export const reviewActions = {
   tracking: {
+    acceptFrame,
+    continueRun,
     acceptStretch: () => judge('accept', 'The range was not confirmed'),
     clearStretch: () => judge('clear', 'The range was not cleared'),
     trackStretch,

@@ -1,6 +1,6 @@
 /** State of label by example, and its requests to the server. */
 import { computed, signal } from '@preact/signals';
-import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
+import { attempt, openPath, sequencePath, succeeds } from '../engine/recordings/recordings';
 import { plural } from '../common/format';
 import { api, apiBytes } from '../net/rest';
 import type { Classifier, Place as Question } from '../protocol/values';
@@ -213,7 +213,7 @@ export async function predict(
   place: readonly number[] | undefined,
   signal: AbortSignal,
 ): Promise<Prediction> {
-  const path = `${sequencePath(state.sequence.peek()!.id)}/frames/${frame}/prediction`;
+  const path = openPath(`frames/${frame}/prediction`);
   const body = { classifier: classifier.peek()!.id, place };
   return predictionOf(await apiBytes('POST', `${path}?format=stored`, body, signal));
 }
@@ -243,7 +243,7 @@ function doubtPath(id: string, between: readonly string[]): string {
   if (scope.peek() === 'workspace') query.set('workspace', 'true');
   for (const name of between) query.append('between', name);
   for (const x of looking.at() ?? []) query.append('near', String(x));
-  return `${sequencePath(state.sequence.peek()!.id)}/doubt?${query.toString()}`;
+  return openPath(`doubt?${query.toString()}`);
 }
 
 function goTo(place: Question): void {
@@ -270,7 +270,7 @@ export function leaveQuestion(): void {
 /** Write the prediction into labels, as one edit; `above` is the least confidence, 0..1. */
 export async function applyPrediction(frames: string, above: number): Promise<void> {
   await attempt('The prediction was not applied', async () => {
-    const path = `${sequencePath(state.sequence.peek()!.id)}/predictions`;
+    const path = openPath('predictions');
     await api('POST', path, { classifier: classifier.peek()!.id, frames, above });
   });
 }

@@ -56,9 +56,7 @@ export function save(patch: ProjectPatch): Promise<void> {
   projects.value = projects.peek().map((each) => each.id === settled.peek() ? { ...each, ...shown } : each); // prettier-ignore
   const turn = ++saves;
   last = last.then(async () => {
-    await attempt('The project was not changed', async () => {
-      await api('PATCH', path, patch);
-    });
+    await attempt('The project was not changed', () => api('PATCH', path, patch));
     // Later changes are shown already, and the server does not know of them yet.
     if (turn === saves) await refreshProjects();
     if (patch.categories !== undefined) await loadCategories();
@@ -99,9 +97,7 @@ export const loadProjectTasks = (): Promise<void> =>
   });
 
 export async function deleteTask({ number }: Task): Promise<void> {
-  await attempt('The task was not deleted', async () => {
-    await api('DELETE', place(`/tasks/${number}`));
-  });
+  await attempt('The task was not deleted', () => api('DELETE', place(`/tasks/${number}`)));
   await Promise.all([loadProjectTasks(), loadTasks()]);
 }
 
@@ -128,9 +124,7 @@ export async function addWebhook(url: string, topics: readonly string[]): Promis
 }
 
 export async function removeWebhook({ id }: Webhook): Promise<void> {
-  await attempt('The webhook was not removed', async () => {
-    await api('DELETE', place(`/webhooks/${id}`));
-  });
+  await attempt('The webhook was not removed', () => api('DELETE', place(`/webhooks/${id}`)));
   await loadWebhooks();
 }
 

@@ -157,9 +157,9 @@ export function giveBack(task: Task, note: string, pinned: Place | null): Promis
 
 /** Make tasks of a project; returns true if the server did. */
 export async function addTasks(wanted: NewTasks, of = project.peek()?.id ?? ''): Promise<boolean> {
-  const done = await succeeds('The tasks were not made', async () => {
-    await api('POST', `${projectPath(of)}/tasks`, { ...wanted, id: crypto.randomUUID() });
-  });
+  const done = await succeeds('The tasks were not made', () =>
+    api('POST', `${projectPath(of)}/tasks`, { ...wanted, id: crypto.randomUUID() }),
+  );
   await loadTasks();
   return done;
 }

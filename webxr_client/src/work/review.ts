@@ -1,6 +1,6 @@
 /** States and findings of the open recording's frames, and the requests that change them. */
 import { computed, signal } from '@preact/signals';
-import { attempt, sequencePath, succeeds } from '../engine/recordings/recordings';
+import { attempt, openPath, succeeds } from '../engine/recordings/recordings';
 import { namesOf } from '../engine/review';
 import { api } from '../net/rest';
 import type { Checked, Finding, ReviewOverview, ReviewPatch } from '../protocol/values';
@@ -25,14 +25,10 @@ export const checking = signal(false);
 export const current = signal<string | null>(null);
 export const waiting = computed(() => unsettled(checks.value?.findings ?? []));
 
-function path(rest: string): string {
-  return `${sequencePath(state.sequence.peek()?.id ?? '')}/${rest}`;
-}
-
 /** Fetch a value of the open recording; null if another one was opened during the request. */
 async function fetched<T>(rest: string): Promise<T | null> {
   const id = state.sequence.peek()?.id;
-  const found = await api<T>('GET', path(rest));
+  const found = await api<T>('GET', openPath(rest));
   return state.sequence.peek()?.id === id ? found : null;
 }
 
@@ -65,7 +61,7 @@ export function forgetReview(): void {
 export const put = (...patches: readonly ReviewPatch[]): Promise<boolean> =>
   succeeds('The state was not changed', async () => {
     for (const patch of patches)
-      overview.value = await api<ReviewOverview>('PUT', path('review'), patch);
+      overview.value = await api<ReviewOverview>('PUT', openPath('review'), patch);
   });
 
 interface Draft {
@@ -138,12 +134,10 @@ export const settle = (finding: Finding): Promise<void> =>
 
 /** Clear the tracked labels of a finding in its frames, and go to the next. */
 export const deny = (finding: Finding): Promise<void> =>
-  answer(finding, () =>
-    succeeds('The label was not cleared', async () => {
-      const { labels, first: start, last: stop } = finding;
-      await api('POST', path('clear'), { labels, start, stop });
-    }),
-  );
+  answer(finding, () => {
+    const body = { labels: finding.labels, start: finding.first, stop: finding.last };
+    return succeeds('The label was not cleared', () => api('POST', openPath('clear'), body));
+  });
 
 async function answer(finding: Finding, send: () => Promise<boolean>): Promise<void> {
   const next = stepFrom(waiting.peek(), finding.id, state.frame.peek(), 1);

@@ -9,7 +9,7 @@ import { unpackF32, unpackU16, unpackU32 } from '../../protocol/codec';
 import type { Label, Labels, Timeline } from '../../protocol/messages';
 import type { PastEdit, Split } from '../../protocol/values';
 import { canEdit, isStroke, notify, state, type TimelineRow } from '../../store/state';
-import { attempt, sequencePath } from '../recordings/recordings';
+import { attempt, openPath, succeeds } from '../recordings/recordings';
 
 // ── the server's messages ──────────────────────────────────────────────────────────────────
 
@@ -56,51 +56,57 @@ function emptyRow(frames: number): TimelineRow {
 
 // ── the user's requests ───────────────────────────────────────────────────────────────────
 
-function base(): string {
-  return `sequences/${encodeURIComponent(state.sequence.peek()?.id ?? '')}`;
+function pathOf(label: number): string {
+  return openPath(`labels/${label}`);
 }
 
 function find(id: number): Label | undefined {
   return state.palette.peek().find((label) => label.id === id);
 }
 
-/** Show the change at once; the server's palette replaces it, also when it refuses. */
-async function update(id: number, patch: Partial<Label>): Promise<void> {
+/** Show a palette at once; the server's replaces it, also when it refuses the request. */
+export async function showAtOnce(
+  next: readonly Label[],
+  failed: string,
+  request: () => Promise<unknown>,
+): Promise<void> {
   const before = state.palette.peek();
-  state.palette.value = before.map((label) => (label.id === id ? { ...label, ...patch } : label));
-  await attempt('The label was not changed', async () => {
-    try {
-      await api('PATCH', `${base()}/labels/${id}`, patch);
-    } catch (error) {
-      state.palette.value = before;
-      throw error;
-    }
-  });
+  state.palette.value = next;
+  const done = await succeeds(failed, request);
+  if (!done) state.palette.value = before;
+}
+
+function update(id: number, patch: Partial<Label>): Promise<void> {
+  const next = state.palette
+    .peek()
+    .map((label) => (label.id === id ? { ...label, ...patch } : label));
+  return showAtOnce(next, 'The label was not changed', () => api('PATCH', pathOf(id), patch));
 }
 
 /** Number of labels that are being created; meanwhile, no stroke paints the previous label. */
 let making = 0;
 
-async function create(name?: string, color?: string, category = ''): Promise<number> {
+/** A name and a colour that no label has. */
+function suggestion(category: string): Pick<Label, 'name' | 'color'> {
   const palette = state.palette.peek();
-  const body = {
-    name: name ?? suggestName(category, palette.map((label) => label.name)), // prettier-ignore
-    color:
-      color ??
-      suggestColor(
-        palette.map((label) => label.color),
-        labelColours.peek(),
-      ),
-    category,
-    // Another person may be creating a label at the same time.
-    distinct: true,
+  const names = palette.map(({ name }) => name);
+  const colors = palette.map(({ color }) => color);
+  return {
+    name: suggestName(category, names),
+    color: suggestColor(colors, labelColours.peek()),
   };
+}
+
+async function create(name?: string, color?: string, category = ''): Promise<number> {
+  const free = suggestion(category);
+  // Another person may be creating a label at the same time.
+  const body = { name: name ?? free.name, color: color ?? free.color, category, distinct: true };
   const before = state.activeLabel.peek();
   state.activeLabel.value = 0;
   making += 1;
   let id = 0;
   await attempt('The label was not made', async () => {
-    const label = await api<Label>('POST', `${base()}/labels`, body);
+    const label = await api<Label>('POST', openPath('labels'), body);
     id = label.id;
     if (!find(id)) state.palette.value = [...state.palette.peek(), label];
   });
@@ -123,7 +129,7 @@ function select(id: number): void {
 }
 
 async function history(): Promise<void> {
-  state.history.value = await api<PastEdit[]>('GET', `${base()}/edits`);
+  state.history.value = await api<PastEdit[]>('GET', openPath('edits'));
 }
 
 export const labelActions = {
@@ -139,7 +145,7 @@ export const labelActions = {
       return true;
     },
     createLabel: create,
-    newLabel: () => beginLabel(create),
+    newLabel: beginLabel,
     updateLabel: update,
     renameLabel: (id, name) => update(id, { name }),
     recolorAll: async () => {
@@ -154,13 +160,18 @@ export const labelActions = {
     recolorLabel: (id, color) => update(id, { color }),
     toggleVisible: (id) => update(id, { visible: !find(id)?.visible }),
     toggleLock: (id) => update(id, { locked: !find(id)?.locked }),
-    deleteLabel: (id) =>
-      attempt('The label was not deleted', async () => {
-        await api('DELETE', `${base()}/labels/${id}`);
-      }),
+    deleteLabel: (id) => attempt('The label was not deleted', () => api('DELETE', pathOf(id))),
     solo: (id) => {
       state.solo.value = state.solo.peek() === id ? null : id;
     },
+    mergeLabel: merge,
+    splitLabel: split,
+    clearLabels: (labels, from, to) =>
+      attempt('The labels were not cleared', () => edit(from, 'clear', { labels, stop: to })),
+    copyLabels: (labels, source, frame) =>
+      attempt('The labels were not copied', () => edit(frame, 'copy', { labels, source })),
+    acceptLabels: (labels, frame) =>
+      attempt('The frame was not accepted', () => edit(frame, 'accept', { labels })),
   },
   history: {
     loadHistory: () => attempt('The history did not load', history),
@@ -178,21 +189,12 @@ interface NewLabel {
 /** The label that is being named, or null. */
 export const newLabel = signal<NewLabel | null>(null);
 
-type Create = (name: string, color: string) => Promise<number>;
-
 let made: Promise<number> = Promise.resolve(0);
 
 /** Show an editable name while the server creates the label. */
-async function beginLabel(create: Create): Promise<void> {
+async function beginLabel(): Promise<void> {
   if (!canEdit.peek() || newLabel.peek()) return;
-  const palette = state.palette.peek();
-  const names = palette.map((label) => label.name);
-  const colors = palette.map((label) => label.color);
-  const draft: NewLabel = {
-    name: suggestName('', names),
-    color: suggestColor(colors, labelColours.peek()),
-    id: 0,
-  };
+  const draft: NewLabel = { ...suggestion(''), id: 0 };
   newLabel.value = draft;
   made = create(draft.name, draft.color);
   const id = await made;
@@ -217,14 +219,8 @@ export function isNew(draft: NewLabel | null, label: NewLabel): boolean {
   return label.name === draft.name && label.color === draft.color;
 }
 
-/** Labels that become one, and one that becomes several. */
-function pathOf(label: number): string {
-  const sequence = encodeURIComponent(state.sequence.peek()?.id ?? '');
-  return `sequences/${sequence}/labels/${label}`;
-}
-
 function nameOf(id: number): string {
-  return state.palette.peek().find((label) => label.id === id)?.name ?? 'the label';
+  return find(id)?.name ?? 'the label';
 }
 
 function merge(id: number, into: number): Promise<void> {
@@ -248,31 +244,7 @@ function split(id: number): Promise<void> {
   });
 }
 
-export const partActions = {
-  labels: {
-    mergeLabel: merge,
-    splitLabel: split,
-  },
-} satisfies ActionParts;
-
-/** Actions on labels in a stretch of frames, from the timeline. */
-function frames(frame: number): string {
-  return `${sequencePath(state.sequence.peek()?.id ?? '')}/frames/${frame}`;
+/** Request an edit of labels in a frame, or from this frame on. */
+function edit(frame: number, what: string, body: unknown): Promise<unknown> {
+  return api('POST', openPath(`frames/${frame}/${what}`), body);
 }
-
-export const stripActions = {
-  labels: {
-    clearLabels: (labels, from, to) =>
-      attempt('The labels were not cleared', () =>
-        api('POST', `${frames(from)}/clear`, { labels, stop: to }),
-      ),
-    copyLabels: (labels, source, frame) =>
-      attempt('The labels were not copied', () =>
-        api('POST', `${frames(frame)}/copy`, { labels, source }),
-      ),
-    acceptLabels: (labels, frame) =>
-      attempt('The frame was not accepted', () =>
-        api('POST', `${frames(frame)}/accept`, { labels }),
-      ),
-  },
-} satisfies ActionParts;

@@ -5,7 +5,8 @@ import { saveFile } from '../../net/files';
 import { api } from '../../net/rest';
 import type { AddedLabels, Palette } from '../../protocol/values';
 import { notify, state } from '../../store/state';
-import { attempt, sequencePath } from '../recordings/recordings';
+import { attempt, openPath } from '../recordings/recordings';
+import { showAtOnce } from './labels';
 
 export interface Template {
   readonly name: string;
@@ -16,10 +17,6 @@ export interface Template {
 /** Palettes of well-known datasets; filled by `actions.labels.loadTemplates`. */
 export const templates = signal<readonly Template[]>([]);
 
-function base(): string {
-  return sequencePath(state.sequence.peek()?.id ?? '');
-}
-
 async function loadTemplates(): Promise<void> {
   const found = await api<Record<string, Palette>>('GET', 'templates');
   templates.value = Object.entries(found).map(([name, { labels }]) => ({
@@ -29,7 +26,7 @@ async function loadTemplates(): Promise<void> {
 }
 
 async function add(body: unknown): Promise<void> {
-  const { added } = await api<AddedLabels>('POST', `${base()}/palette`, body);
+  const { added } = await api<AddedLabels>('POST', openPath('palette'), body);
   const title = added.length === 0 ? 'All of these labels exist already' : 'Labels added';
   notify(added.length === 0 ? 'info' : 'success', title, added.slice(0, 8).join(', '));
 }
@@ -50,9 +47,9 @@ export function labelsOf(text: string): readonly unknown[] {
 }
 
 async function addFile(file: File): Promise<void> {
-  await attempt('The palette was not added', async () => {
-    await add({ labels: labelsOf(await file.text()) });
-  });
+  await attempt('The palette was not added', async () =>
+    add({ labels: labelsOf(await file.text()) }),
+  );
 }
 
 function pick(): void {
@@ -67,24 +64,17 @@ function pick(): void {
 }
 
 async function save(): Promise<void> {
-  const palette = await api('GET', `${base()}/palette`);
+  const palette = await api('GET', openPath('palette'));
   saveFile(`${state.sequence.peek()?.name ?? 'recording'} palette.json`, palette);
 }
 
-/** Show the order at once; the server's palette replaces it, also when it refuses. */
-async function arrange(order: readonly number[]): Promise<void> {
-  const before = state.palette.peek();
+function arrange(order: readonly number[]): Promise<void> {
   const place = new Map(order.map((id, index) => [id, index]));
   const at = (id: number): number => place.get(id) ?? order.length;
-  state.palette.value = [...before].sort((a, b) => at(a.id) - at(b.id));
-  await attempt('The order was not saved', async () => {
-    try {
-      await api('PUT', `${base()}/palette/order`, { labels: order });
-    } catch (error) {
-      state.palette.value = before;
-      throw error;
-    }
-  });
+  const next = [...state.palette.peek()].sort((a, b) => at(a.id) - at(b.id));
+  return showAtOnce(next, 'The order was not saved', () =>
+    api('PUT', openPath('palette/order'), { labels: order }),
+  );
 }
 
 export const paletteActions = {

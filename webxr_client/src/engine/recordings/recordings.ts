@@ -17,7 +17,7 @@ import {
 } from '../../store/state';
 
 /** Do some work and return true, or show the server's error message. */
-export async function succeeds(what: string, work: () => Promise<void>): Promise<boolean> {
+export async function succeeds(what: string, work: () => Promise<unknown>): Promise<boolean> {
   try {
     await work();
     return true;
@@ -29,7 +29,7 @@ export async function succeeds(what: string, work: () => Promise<void>): Promise
 }
 
 /** The same where the outcome does not matter. */
-export async function attempt(what: string, work: () => Promise<void>): Promise<void> {
+export async function attempt(what: string, work: () => Promise<unknown>): Promise<void> {
   await succeeds(what, work);
 }
 
@@ -94,6 +94,11 @@ async function refreshDeleted(): Promise<void> {
 /** The address of a recording, under the API's. */
 export function sequencePath(id: string): string {
   return `sequences/${encodeURIComponent(id)}`;
+}
+
+/** The address of something in the open recording. */
+export function openPath(rest: string): string {
+  return `${sequencePath(state.sequence.peek()?.id ?? '')}/${rest}`;
 }
 
 /** Return a folder's name, a file's name without its ending, or the common prefix of files. */
