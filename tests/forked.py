@@ -8,30 +8,27 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from multiprocessing.connection import Connection
+from multiprocessing import forkserver
+from multiprocessing.connection import Connection, arbitrary_address
 from pathlib import Path
 from typing import Any
 
 from pointbrush.cli import main
+from pointbrush.jobs import worker
 from tests.waiting import PATIENCE, eventually
 
 FORKSERVER = multiprocessing.get_context("forkserver")
 FORKSERVER.set_forkserver_preload(
     [
-        *(
-            "pointbrush.cli",
-            "pointbrush.web.server",
-            "pointbrush.database.schema",
-            "alembic.command",
-        ),
-        *("scipy.spatial", "scipy.sparse.csgraph", "pointbrush.selection.selectors.tree"),
-        *("pointbrush.work.tracking.runs", "pointbrush.tracking.tracker"),
-        *("psycopg", "pytest", "sqlalchemy.dialects.postgresql.psycopg"),
+        *("pointbrush.cli", "pointbrush.web.server", "alembic.command", "pytest"),
+        *("psycopg", "sqlalchemy.dialects.postgresql.psycopg", "scipy.sparse.csgraph"),
+        "tests.preloaded",
     ]
 )
 
@@ -108,7 +105,29 @@ def run_here(
             os.dup2(file.fileno(), number)
     os.environ.clear()
     os.environ.update(environment)
+    fork_workers()
     sys.exit(main(list(arguments)))
+
+
+def fork_workers() -> None:
+    """Start this process's own fork server, for the workers of its jobs.
+
+    Workers have environment, folder and streams of this process, as spawned ones have.
+    """
+    server = forkserver._forkserver  # type: ignore[attr-defined]
+    listener = socket.socket(socket.AF_UNIX)
+    listener.bind(arbitrary_address("AF_UNIX"))
+    listener.listen()
+    alive_reader, alive_writer = os.pipe()
+    process = os.fork()
+    if process == 0:
+        os.close(alive_writer)
+        forkserver.main(listener.detach(), alive_reader, None)
+    server._forkserver_address = listener.getsockname()
+    server._forkserver_alive_fd, server._forkserver_pid = alive_writer, process
+    os.close(alive_reader)
+    listener.close()
+    worker.START_METHOD = FORKSERVER.get_start_method()
 
 
 class ForkedCall:

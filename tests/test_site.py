@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -16,11 +16,13 @@ from threading import Thread
 from urllib.parse import unquote, urlsplit
 
 import pytest
+from playwright.sync_api import Browser, sync_playwright
 from playwright.sync_api import Page as BrowserPage
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import TimeoutError as TimedOutError
 
-from tests.e2e.chromium import EXECUTABLE, FLAGS
+from tests.e2e.chromium import COMPOSED, EXECUTABLE, FLAGS
 from tests.html_page import Page
+from tests.waiting import PATIENCE
 
 ROOT = Path(__file__).parent.parent
 FETCHED = re.compile(
@@ -43,6 +45,12 @@ FOUND = {
 }
 """Words that a reader searches for, and the page that answers."""
 AMONG_THE_FIRST = 3
+ARTICLE = re.compile(r"<article.*?</article>", re.S)
+SCROLLED = """article => {
+  document.querySelector('article').outerHTML = article;
+  return document.documentElement.scrollWidth;
+}"""
+"""Shows another article, and returns how wide the page is with it."""
 NO_PAGE = "404.html"
 """A server answers with it under any address, so its links begin at the root."""
 
@@ -173,44 +181,59 @@ def over_http(folder: Path) -> Iterator[str]:
             serving.join()
 
 
-def search(desk: BrowserPage, address: str) -> None:
-    """Open a page, and search for each word from there."""
+def search(desk: BrowserPage, address: str, wanted: Mapping[str, str]) -> None:
+    """Open a page, and search from there for words, each with the page that answers."""
     desk.goto(address)
     desk.locator(".md-search__input").click()
     desk.locator(".md-search-result__meta", has_text="Type to").wait_for()
-    for words, page in FOUND.items():
+    for words, page in wanted.items():
         desk.keyboard.press("Control+A")
         desk.keyboard.type(words)
-        results = desk.locator(".md-search-result__item > a:first-child")
-        first: list[str] = []
-        for _ in range(150):  # the results of the last key may still be on their way
-            first = results.evaluate_all("all => all.map(({ href }) => href)")[:AMONG_THE_FIRST]
-            if any(f"/{page}.html" in each for each in first):
-                break
-            desk.wait_for_timeout(200)
-        assert any(f"/{page}.html" in each for each in first), f"{words}: {first}"
+        try:
+            desk.wait_for_function(
+                "([page, most]) => [...document.querySelectorAll("
+                "  '.md-search-result__item > a:first-child'"
+                ")].slice(0, most).some(({ href }) => href.includes(page))",
+                arg=[f"/{page}.html", AMONG_THE_FIRST],
+                timeout=PATIENCE * 1000,
+            )
+        except TimedOutError:
+            found = desk.locator(".md-search-result__item > a:first-child")
+            pytest.fail(f"{words}: {found.evaluate_all('all => all.map(({ href }) => href)')}")
 
 
-def test_a_browser_searches_and_no_page_scrolls_sideways_on_a_phone(
-    site: Path, pages: dict[Path, Page]
-) -> None:
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=EXECUTABLE, args=FLAGS)
-        desk = browser.new_page()
-        complaints: list[str] = []
-        desk.on("pageerror", lambda error: complaints.append(str(error)))
-        search(desk, (site / "howto" / "kitti.html").as_uri())
-        with over_http(site) as address:
-            search(desk, f"{address}/howto/kitti.html")
-        assert complaints == []
-        phone = browser.new_page(viewport={"width": 390, "height": 844}, java_script_enabled=False)
-        wide = []
-        for path in pages:
-            phone.goto(path.as_uri())
-            if phone.evaluate("document.documentElement.scrollWidth") > 390:
-                wide.append(path.name)
-        assert wide == []
-        browser.close()
+        opened = playwright.chromium.launch(executable_path=EXECUTABLE, args=[*FLAGS, COMPOSED])
+        yield opened
+        opened.close()
+
+
+def test_a_browser_searches_the_site(site: Path, browser: Browser) -> None:
+    desk = browser.new_page()
+    complaints: list[str] = []
+    desk.on("pageerror", lambda error: complaints.append(str(error)))
+    search(desk, (site / "howto" / "kitti.html").as_uri(), FOUND)
+    with over_http(site) as address:
+        search(desk, f"{address}/howto/kitti.html", {"undo": FOUND["undo"]})
+    assert complaints == []
+
+
+def test_no_page_scrolls_sideways_on_a_phone(
+    site: Path, pages: dict[Path, Page], browser: Browser
+) -> None:
+    width = 390
+    phone = browser.new_page(viewport={"width": width, "height": 844}, java_script_enabled=False)
+    phone.goto((site / "index.html").as_uri())
+    wide = []
+    for path in pages:
+        # The frame around the article is the same on all pages.
+        article = ARTICLE.search(path.read_text())
+        assert article is not None, path
+        if phone.evaluate(SCROLLED, article[0]) > width:
+            wide.append(path.name)
+    assert wide == []
 
 
 def test_the_site_needs_few_packages(tmp_path: Path) -> None:
