@@ -24,7 +24,7 @@ from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.ranges import runs_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.storage.recording_files import RecordingFiles
+from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.values.people import MOST_SHOWN, FoundPeople, FoundPerson, PersonPoints
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
