@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
+import io
+from collections.abc import Mapping
 
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from pointbrush.formats.cameras.pictures import Camera, Picture, PictureSource
 from pointbrush.frame import PointFrame
 
 WIDTH, HEIGHT = 128, 106
@@ -21,3 +27,16 @@ def depth_camera(seed: int) -> PointFrame:
     light = (shade + rng.normal(0, 6, len(u)))[:, None]
     rgb = light + [20, 0, -20] + rng.normal(0, 2, (len(u), 3))
     return PointFrame(xyz.astype(np.float32), rgb.clip(0, 255).astype(np.uint8))
+
+
+def grey_pictures(
+    frames: int, size: tuple[int, int], cameras: Mapping[str, NDArray[np.float64] | None]
+) -> PictureSource:
+    """Grey pictures of cameras at the place of the sensor, by their name and K."""
+    content = io.BytesIO()
+    Image.new("L", size, 128).save(content, "PNG")
+    known = tuple(Camera(name, K, np.eye(4)) for name, K in cameras.items())
+    made = [
+        Picture(i, each, content.getvalue(), ".png", *size) for i in range(frames) for each in known
+    ]
+    return PictureSource(known, lambda: iter(made))

@@ -32,6 +32,7 @@ from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests import forked
+from tests.depth_camera import grey_pictures
 from tests.formats.test_bags import rosbag1
 from tests.serving import TOKEN, serving, surface
 from tests.waiting import PATIENCE
@@ -57,6 +58,8 @@ SERVERS = ("demo", "serve")
 SHELL = frozenset("&|;<>*?$`")
 """Signs of a line that is for a shell."""
 POINTS = 400
+COLOUR_CAMERA = np.array([[30.0, 0, 32], [0, 30, 24], [0, 0, 1]])
+"""K of a camera whose picture of 64 by 48 pixels shows the points."""
 SAMPLE_FRAMES = 3
 
 
@@ -185,6 +188,7 @@ def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
             (surface(POINTS, i) for i in range(frames)),
             settings.workspace / "sequences" / name,
             RecordingInfo(name, name, 30.0),
+            pictures=grey_pictures(frames, (64, 48), {"colour": COLOUR_CAMERA}),
         )
     workspace = Workspace(settings)
     for name in given:

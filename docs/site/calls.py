@@ -130,6 +130,14 @@ names = [camera.name for camera in frame.cameras()]
 for name in names:
     Path(f"{name}.jpg").write_bytes(frame.image(name))
 
+# Frame.mask
+mask = frame.mask("colour")  # (H, W) uint16: label ids, 65535 where no point is seen
+
+# Frame.set_mask
+mask[:24] = other.id
+edit = frame.set_mask("colour", mask)
+print(edit.changed, edit.doubt)
+
 # Frame.thumbnail
 Path("frame.jpg").write_bytes(frame.thumbnail())
 

@@ -18,7 +18,6 @@ EXCHANGES = HERE / "exchanges.json"
 Written by ``WRITE_EXCHANGES=docs/site/exchanges.json pytest tests/test_reference.py``.
 """
 WITHOUT_ONE = {
-    "GET /api/v1/sequences/{seq}/frames/{i}/images/{camera}": "The answer is the picture's file.",
     "POST /api/v1/sequences/{seq}/source-labels": (
         "The recordings of the examples have no labels in their files, so the call answers 409."
     ),

@@ -3,9 +3,11 @@
 1. The points that a camera sees are found by a depth buffer (``visibility``).
 2. A point is certain if the mask has one value within the error of the calibration around its
    pixel.  A pixel of a lattice is certain.
-3. Points near a border of the mask take the class of the certain points around them in space, if
-   these agree: at a depth jump they lie on the same surface.  Other points stay in doubt.
-4. Cameras vote.
+3. Before, the camera's position is corrected by the borders of the mask (``align``).
+4. A point near a border of the mask takes the value of the certain points around it in space, if
+   these agree with it or with each other: at a jump of depth they lie on its surface.  Otherwise it
+   stays in doubt.
+5. Cameras vote.
 """
 
 from __future__ import annotations
@@ -15,6 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.masks.align import align
+from pointbrush.masks.borders import border_distance
 from pointbrush.masks.options import LiftOptions
 from pointbrush.masks.views import View
 from pointbrush.masks.visibility import visible
@@ -48,77 +52,56 @@ def lift_one(view: View, mask: Mask, xyz: NDArray[np.floating], options: LiftOpt
     """Return the classes (N,) by one mask; -2 for points that it says nothing about."""
     view.require_mask(mask)
     found = np.full(len(view.pixel), _UNSEEN, np.int32)
-    seen = visible(view, options.visibility)
+    seen, metre_error = visible(view, options.visibility), options.metre_error
+    if not view.exact and (offset := align(view, seen, mask, options)) is not None:
+        view, metre_error = view.moved(offset), metre_error * options.aligned_error
+        seen = seen[view.pixel[seen] >= 0]
     values = mask.ravel()[view.pixel[seen]].astype(np.int32)
     seen, values = seen[values != VOID], values[values != VOID]
     found[seen] = values
     if view.exact or not len(seen):
         return found
-    error = options.pixel_error + view.focal * options.metre_error / view.depth[seen]
+    error = options.pixel_error + view.focal * metre_error / view.depth[seen]
     doubtful = border_distance(mask)[view.pixel[seen]] <= error
     found[seen[doubtful]] = IN_DOUBT
     width = error[doubtful] * view.depth[seen[doubtful]] / view.focal
-    found[seen[doubtful]] = resolve(
-        xyz[seen[~doubtful]], values[~doubtful], xyz[seen[doubtful]], width, options
+    resolved = resolve(
+        (xyz[seen[~doubtful]], values[~doubtful]),
+        (xyz[seen[doubtful]], values[doubtful]),
+        width,
+        options,
     )
+    if (mask == VOID).any():
+        # Such a mask was drawn of points, or leaves its borders out: its values are exact.
+        resolved[resolved != values[doubtful]] = IN_DOUBT
+    found[seen[doubtful]] = resolved
     return found
-
-
-def border_distance(mask: Mask) -> NDArray[np.float32]:
-    """Return the distance (H * W,) of each pixel from the nearest pixel of another value, pixels.
-
-    A void pixel counts as the nearest other pixel.
-    """
-    from scipy.ndimage import distance_transform_edt  # slow to import
-
-    void = mask == VOID
-    if void.any() and not void.all():
-        row, column = distance_transform_edt(void, return_distances=False, return_indices=True)
-        mask = mask[row, column]
-    border = np.zeros(mask.shape, np.bool_)
-    for axis in (0, 1):
-        before, after = _pairs(axis)
-        differs = mask[before] != mask[after]
-        border[before] |= differs
-        border[after] |= differs
-    if not border.any():
-        return np.full(mask.size, np.inf, np.float32)
-    return np.asarray(distance_transform_edt(~border) + 1, np.float32).ravel()
-
-
-def _pairs(axis: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
-    """Return the slices of an image that pair each pixel with the next one along an axis."""
-    all_of = [slice(None), slice(None)]
-    before, after = [*all_of], [*all_of]
-    before[axis], after[axis] = slice(None, -1), slice(1, None)
-    return tuple(before), tuple(after)
 
 
 def resolve(
-    certain: NDArray[np.floating],
-    classes: Classes,
-    doubtful: NDArray[np.floating],
+    certain: tuple[NDArray[np.floating], Classes],
+    doubtful: tuple[NDArray[np.floating], Classes],
     width: NDArray[np.floating],
     options: LiftOptions,
 ) -> Classes:
-    """Return the classes (M,) of doubtful points (M, 3) by certain ones (K, 3), or IN_DOUBT.
+    """Return the classes (M,) of doubtful points by the certain ones around them, or IN_DOUBT.
 
-    ``classes`` (K,); ``width`` (M,) of the doubtful band at each point, metres.  A class is taken
-    if all certain points nearest to the point, within a multiple of ``width``, have it.
+    Both are points (K, 3), (M, 3) with values of the mask; ``width`` (M,) of the doubtful band at
+    each point, metres.  A point keeps its value if the nearest certain point has it, and takes
+    that of all nearest ones if they agree on another: it lies on their side of a jump of depth.
     """
     from scipy.spatial import cKDTree  # slow to import
 
-    found = np.full(len(doubtful), IN_DOUBT, np.int32)
-    if not len(certain) or not len(doubtful):
-        return found
-    count = min(options.neighbours, len(certain))
-    answer = cKDTree(certain).query(doubtful, k=range(1, count + 1))
-    distance, near = np.asarray(answer[0]), np.asarray(answer[1])
-    within = distance <= (options.most_distance * width)[:, None]
-    first = classes[near[:, 0]]
-    agreed = ((classes[near] == first[:, None]) | ~within).all(axis=1) & within[:, 0]
-    found[agreed] = first[agreed]
-    return found
+    (xyz, values), (places, own) = certain, doubtful
+    count = options.neighbours
+    if len(xyz) < count or not len(own):
+        return np.full(len(own), IN_DOUBT, np.int32)
+    answer = cKDTree(xyz).query(places, k=range(1, count + 1))
+    found = values[np.asarray(answer[1])]
+    far = np.asarray(answer[0]) > (options.most_distance * width)[:, None]
+    agreed = (found == found[:, :1]).all(axis=1) & ~far.any(axis=1)
+    certain_ones = agreed | ((found[:, 0] == own) & ~far[:, 0])
+    return np.where(certain_ones, found[:, 0], IN_DOUBT).astype(np.int32)
 
 
 def vote(votes: Classes) -> Classes:

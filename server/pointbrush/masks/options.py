@@ -22,18 +22,41 @@ class VisibilityOptions:
 
 
 @dataclass(frozen=True, slots=True)
+class AlignOptions:
+    """Numbers of ``align``."""
+
+    widest: float = 2.0
+    """Greatest correction, in errors of the calibration."""
+    steps: int = 3
+    """Steps of the first search to each side, per axis."""
+    prior: float = 0.05
+    """Cost of an offset of one error of the calibration, as a share of the pairs that the best
+    offset divides less than others do."""
+    finest: float = 0.05
+    """Last step of the search, in errors of the calibration."""
+    least_pairs: int = 40
+    """Least pairs of neighbours that the best offset divides less than others do."""
+    least_gain: float = 0.1
+    """Least share of the divided pairs that a correction joins; otherwise the camera stays."""
+
+
+@dataclass(frozen=True, slots=True)
 class LiftOptions:
     """Numbers of ``lift``."""
 
     visibility: VisibilityOptions = field(default_factory=VisibilityOptions)
+    align: AlignOptions = field(default_factory=AlignOptions)
     pixel_error: float = 1.0
     """Error of a camera's calibration and of mask borders, pixels."""
     metre_error: float = 0.02
     """Error of a camera's position, metres."""
+    aligned_error: float = 0.25
+    """Share of the error of position that is left after an alignment."""
     neighbours: int = 5
-    """Number of the certain points nearest to a doubtful one that decide about it."""
+    """Number of the nearest certain points that decide about a doubtful one."""
     most_distance: float = 2.5
-    """Distance of these points, in widths of the doubtful band at the point."""
+    """Greatest distance of a certain point that decides about a doubtful one, in widths of the
+    doubtful band at the point."""
 
 
 @dataclass(frozen=True, slots=True)

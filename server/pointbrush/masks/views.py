@@ -62,7 +62,8 @@ class View:
 
     ``pixel``  (N,) int32 row-major pixel of each point, -1 outside of the picture.
     ``depth``  (N,) float32 metres along the optical axis.
-    ``focal``  focal length, pixels; 0 for a lattice.
+    ``uv``     (N, 2) float32 exact column and row, or None for a lattice.
+    ``focal``  focal length, and ``centre`` the principal point, pixels; 0 for a lattice.
     ``exact``  True for the pixels that the points were measured in: no point hides another.
     """
 
@@ -71,7 +72,9 @@ class View:
     height: int
     pixel: NDArray[np.int32]
     depth: NDArray[np.float32]
+    uv: NDArray[np.float32] | None = None
     focal: float = 0.0
+    centre: tuple[float, float] = (0.0, 0.0)
     exact: bool = False
 
     @classmethod
@@ -82,15 +85,16 @@ class View:
         Raises BadInputError if the calibration of the camera is not known.
         """
         lens = Lens.of(camera)
-        pixel, depth = np.full(len(xyz), -1, np.int32), np.empty(len(xyz), np.float32)
-        for first in range(0, len(xyz), BLOCK):
+        size, count = (camera.width, camera.height), len(xyz)
+        pixel, depth = np.full(count, -1, np.int32), np.empty(count, np.float32)
+        places = np.empty((count, 2), np.float32)
+        for first in range(0, count, BLOCK):
             part = slice(first, first + BLOCK)
             uv, depth[part], seen = lens.project(xyz[part])
-            at = np.floor(uv + 0.5)
-            seen &= ((at >= 0) & (at < (camera.width, camera.height))).all(axis=1)
-            column, row = at[seen].astype(np.int32).T
-            pixel[part][seen] = row * camera.width + column
-        return cls(camera.name, camera.width, camera.height, pixel, depth, lens.focal)
+            places[part] = uv
+            pixel[part] = np.where(seen, pixel_at(uv, size), -1)
+        centre = (float(lens.K[0, 2]), float(lens.K[1, 2]))
+        return cls(camera.name, *size, pixel, depth, places, lens.focal, centre)
 
     @classmethod
     def of_lattice(
@@ -104,6 +108,22 @@ class View:
         return cls(
             name, width, height, pixel.astype(np.int32), depth.astype(np.float32), exact=True
         )
+
+    def moved(self, offset: NDArray[np.float64]) -> View:
+        """Return the view after its camera moved, so that points shift by ``offset`` (3,) metres.
+
+        ``offset`` is in the camera's axes and small.  Points do not enter the picture.
+        """
+        assert self.uv is not None  # noqa: S101 – only cameras are moved
+        shift = self.focal * offset[:2] - (self.uv - np.array(self.centre, np.float32)) * offset[2]
+        uv = self.uv + shift / self.depth[:, None]
+        pixel = pixel_at(uv, (self.width, self.height))
+        return replace(self, uv=uv, pixel=np.where(self.pixel >= 0, pixel, -1))
+
+    def only(self, numbers: NDArray[np.int64]) -> View:
+        """Return the view of some of the points."""
+        uv = None if self.uv is None else self.uv[numbers]
+        return replace(self, pixel=self.pixel[numbers], depth=self.depth[numbers], uv=uv)
 
     def without(self, left_out: NDArray[np.bool_]) -> View:
         """Return the view without some of the points (N,)."""
@@ -122,6 +142,14 @@ class View:
                 f"mask: expected {self.width}x{self.height} pixels as camera {self.name!r} has, "
                 f"got {size}"
             )
+
+
+def pixel_at(uv: Floats, size: tuple[int, int]) -> NDArray[np.int32]:
+    """Return row-major pixels (N,) of columns and rows (N, 2), -1 outside of width and height."""
+    width = size[0]
+    at = np.floor(np.clip(uv, -1, max(size)) + 0.5)
+    inside = ((at >= 0) & (at < size)).all(axis=1)
+    return np.where(inside, at[:, 1] * width + at[:, 0], -1).astype(np.int32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

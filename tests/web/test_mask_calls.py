@@ -15,11 +15,9 @@ from PIL import Image
 from pointbrush.client import Client
 from pointbrush.client.recording import Recording
 from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
-from pointbrush.formats.cameras.pictures import Camera, Picture, PictureSource
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import RecordingInfo, import_frames
-from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
-from tests.formats.test_pictures import jpeg
+from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera, grey_pictures
 from tests.serving import TOKEN, Served, serving, settings_in
 
 K = np.array([[FOCAL, 0, 64], [0, FOCAL, 53], [0, 0, 1.0]])
@@ -35,11 +33,7 @@ def served(tmp_path: Path) -> Iterator[Served]:
     settings = settings_in(tmp_path)
     camera = DepthCamera(WIDTH, HEIGHT, FOCAL, FOCAL, 64, 53)
     pixel = np.arange(WIDTH * HEIGHT, dtype=np.uint32)
-    pictures = [
-        Picture(0, Camera(name, matrix, np.eye(4)), jpeg(0, WIDTH, HEIGHT), ".jpg", WIDTH, HEIGHT)
-        for name, matrix in (("colour", K), ("unknown", None))
-    ]
-    source = PictureSource(tuple(each.camera for each in pictures), lambda: iter(pictures))
+    source = grey_pictures(1, (WIDTH, HEIGHT), {"colour": K, "unknown": None})
     frames = {"kinect": replace(depth_camera(0), camera=camera, pixel=pixel)}
     frames["cloud"] = depth_camera(0)
     for name, frame in frames.items():
