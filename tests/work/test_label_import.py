@@ -331,7 +331,8 @@ def test_maps_are_json_or_lines(tmp_path: Path) -> None:
 
 def test_every_format_of_labels_has_a_reader_and_a_name() -> None:
     from pointbrush.formats.boxes.registry import BOX_READERS
+    from pointbrush.formats.masks.registry import MASK_FORMATS
     from pointbrush.formats.point_labels import READERS
     from pointbrush.formats.tables.names import LABEL_FORMATS
 
-    assert set(LABEL_FORMATS) == {*READERS, *BOX_READERS}
+    assert set(LABEL_FORMATS) == {*READERS, *BOX_READERS, *MASK_FORMATS}

@@ -178,6 +178,8 @@ def _labels_imported(result: Mapping[str, Any], frames: int, *, dry_run: bool) -
     count = result["labelled"] if dry_run else result.get("changed", 0)
     if locked := result.get("locked"):
         lines.append(f"points of locked labels unchanged: {', '.join(locked)}")
+    if result.get("doubtful"):
+        lines.append(f"{result['doubtful']:,} points at borders of masks stay as they are")
     lines.append(
         f"{done} {count:,} labelled points in {result['matched']} of {frames} "
         f"frames, {len(result['labels'])} labels, {len(result['new_labels'])} of them new"

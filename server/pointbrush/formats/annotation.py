@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
 from pointbrush.formats.boxes.registry import BOX_READERS, is_box_file
+from pointbrush.formats.masks.registry import MASK_FORMATS, mask_files
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes
 from pointbrush.formats.own_export import OwnExport, own_export
 from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
@@ -28,6 +29,8 @@ _DATASETS: Mapping[str, Dataset] = MappingProxyType({
     "semantickitti": SEMANTIC_KITTI, "lidarseg": NUSCENES, "panoptic": NUSCENES, "las": LAS,
 })  # fmt: skip
 """Dataset that defines the label numbers of a format."""
+LISTS = "ImageSets"
+"""Folder of lists of pictures' names, which may be numbers."""
 _ENDINGS = {"semantickitti": (".label",), "las": (".las", ".laz")}
 _LIKE_LABELS = re.compile("label|segm|class|semantic")
 
@@ -115,12 +118,18 @@ def _files(folder: Path, limits: Limits) -> list[Path]:
 def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
     """Return the format and its files; formats that contain only labels are tried first."""
     if format is not None:
-        return format, [path for path in files if _fits(path, format)]
+        return format, _fitting(files, format)
     for name in (each for each in LABEL_FORMATS if each != "las"):
-        fitting = [path for path in files if _fits(path, name, sure=name != "points")]
-        if fitting:
+        if fitting := _fitting(files, name, sure=name != "points"):
             return name, fitting
     return "points", []
+
+
+def _fitting(files: list[Path], format: str, *, sure: bool = False) -> list[Path]:
+    """Return the files of a format; ``sure``: see ``_fits``."""
+    if format in MASK_FORMATS:
+        return mask_files(files, format, sure=sure)
+    return [path for path in files if _fits(path, format, sure=sure)]
 
 
 def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
@@ -146,7 +155,7 @@ def _fits(path: Path, format: str, *, sure: bool = False) -> bool:
             if not sure or lower.endswith(LINE_ENDINGS):
                 return lower.endswith((*LINE_ENDINGS, ".txt", ".csv"))
             text = lower.endswith((".txt", ".csv")) and lower not in TIME_FILES
-            return text and has_label_lines(path)
+            return text and LISTS not in path.parts and has_label_lines(path)
     if format in BOX_READERS:
         return is_box_file(path, format)
     return format_by_name(path) is not None

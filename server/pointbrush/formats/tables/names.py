@@ -14,9 +14,9 @@ AXES = ("x", "-x", "y", "-y", "z", "-z")
 LABEL_FORMATS = (
     *("semantickitti", "lidarseg", "panoptic", "labelcloud-points", "npy", "lines", "las"),
     *("labelcloud", "sustechpoints", "supervisely", "datumaro", "xtreme1", "argoverse"),
-    *("waymo", "segments", "nuscenes-boxes"),
+    *("waymo", "segments", "nuscenes-boxes", "masks-yolo"),
     *("kitti-object", "kitti-tracking", "kitti-tracklets"),
     *("openpcdet", "boxes", "s3dis"),
-    "points",
+    *("masks-coco", "masks-png", "points"),
 )
 """All formats of labels, in the order of trial; LAS classes only by request."""

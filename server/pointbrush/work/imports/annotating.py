@@ -18,13 +18,8 @@ from pointbrush.labels.types import IMPORTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen
-from pointbrush.work.imports.label_reading import (
-    FoundBoxes,
-    FrameLabels,
-    LabelRequest,
-    ReadLabelsWork,
-    Unmatched,
-)
+from pointbrush.work.imports.frame_labels import FoundBoxes, FrameLabels, Unmatched
+from pointbrush.work.imports.label_reading import LabelRequest, ReadLabelsWork
 from pointbrush.work.imports.naming import Naming, learn_numbers
 from pointbrush.work.imports.new_boxes import box_report, new_boxes
 from pointbrush.work.imports.requests import drop_upload
@@ -151,7 +146,8 @@ def _writes(
         label = of_row[recording[frame.frame].source_index]
         numbers = np.flatnonzero(label)
         if len(numbers):
-            yield frame.frame, Write(numbers, label=label[numbers], provenance=IMPORTED)
+            write = Write(numbers, label=label[numbers], provenance=IMPORTED, only=frame.only)
+            yield frame.frame, write
 
 
 def _locked(store: LabelStore, recording: Recording, found: list[FrameLabels]) -> list[str]:
@@ -181,11 +177,16 @@ def _report(
             counts[chosen.ids[key]] = counts.get(chosen.ids[key], 0) + int(count)
     return {
         "labelled": sum(len(frame.rows) for frame in found),
+        "doubtful": sum(frame.doubtful for frame in found),
         "frames": [
             {"frame": frame.frame, "file": frame.file, "points": len(frame.rows)}
             for frame in found[:MOST_LISTED]
         ],
-        "files": [{"file": frame.file, "frame": frame.frame} for frame in found],
+        "files": [
+            {"file": file, "frame": frame.frame}
+            for frame in found
+            for file in (frame.file, *frame.others)
+        ],
         "matched": len(found),
         "unknown": len(chosen.unnamed),
         "unknown_classes": chosen.unnamed[:MOST_LISTED],

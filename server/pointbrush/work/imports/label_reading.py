@@ -27,8 +27,9 @@ from pointbrush.formats.boxes.figures import (
     with_one_name,
 )
 from pointbrush.formats.boxes.registry import BOX_READERS, read_boxes
-from pointbrush.formats.boxes.scene import BoxTrack, label_of, tracked
+from pointbrush.formats.boxes.scene import label_of, tracked
 from pointbrush.formats.inside import require_inside
+from pointbrush.formats.masks.registry import MASK_FORMATS
 from pointbrush.formats.own_export import OwnExport
 from pointbrush.formats.point_labels import PointLabels
 from pointbrush.formats.readers.nuscenes import label_times
@@ -45,8 +46,16 @@ from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.manifest import Manifest
 from pointbrush.sequences.storage.stored_files import RecordingFiles
+from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
+from pointbrush.work.imports.frame_labels import (
+    FoundBoxes,
+    FrameLabels,
+    Unmatched,
+    frame_names,
+)
+from pointbrush.work.imports.mask_reading import read_mask_labels
 from pointbrush.work.imports.naming import Key, Naming, keys_of
 from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
 from pointbrush.work.imports.requests import LABELS
@@ -84,32 +93,6 @@ class LabelRequest(LabelOptions, JobRequest):
         return super().of_json({**kept, "names": names})
 
 
-@dataclass(frozen=True, eq=False)
-class FrameLabels:
-    """Labels of a frame: ``rows`` (n,) of labelled source points, ``which`` (n,) their keys."""
-
-    frame: int
-    file: str
-    rows: NDArray[np.int64]
-    which: NDArray[np.int64]
-    keys: tuple[Key, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class FoundBoxes:
-    """Boxes of objects with the keys of their labels; ``empty``: skipped boxes with a side of 0."""
-
-    tracks: tuple[tuple[Key, BoxTrack], ...]
-    empty: int = 0
-
-
-@dataclass(frozen=True, eq=False)
-class Unmatched:
-    """A file without a matching frame."""
-
-    file: str
-
-
 @dataclass(frozen=True)
 class ReadLabelsWork:
     """Picklable reading of label files; sends each frame's labels as an item."""
@@ -136,6 +119,11 @@ class ReadLabelsWork:
         recording = open_sequence(self.recording)
         if files.format in BOX_READERS:
             self._boxes(channel, files, recording)
+            return
+        if files.format in MASK_FORMATS:
+            # The folder of the request may have the name of a camera, unlike that of an upload.
+            root = place if place == request.upload else place.parent
+            read_mask_labels(channel, files, root, recording, by_order=request.by_order)
             return
         channel.item(Naming(dict(files.names), dict(files.own), files.dataset))
         columns = (f"{request.field}=label",) if request.field else ()
@@ -276,12 +264,6 @@ def _objects(boxes: Mapping[int, list[FrameBox]], key_of: Callable[[FrameBox], K
         )  # fmt: skip
         return FoundBoxes(())
     return FoundBoxes(tuple((key_of(track.first), track) for track in tracks), empty)
-
-
-def frame_names(manifest: Manifest) -> list[FrameName]:
-    """Return the files and times that identify a recording's frames."""
-    files = manifest.files or [""] * manifest.frames
-    return [FrameName(*pair) for pair in zip(files, manifest.timestamps, strict=True)]
 
 
 def _ours(own: Mapping[int, SourceLabel], box: FrameBox) -> FrameBox:

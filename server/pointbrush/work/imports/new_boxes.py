@@ -14,7 +14,7 @@ from pointbrush.geometry.oriented_box import OrientedBox
 from pointbrush.geometry.quaternions import rotation_of
 from pointbrush.labels.boxes.maps import box_of, fields_of
 from pointbrush.work.imports.choosing import Chosen
-from pointbrush.work.imports.label_reading import FoundBoxes
+from pointbrush.work.imports.frame_labels import FoundBoxes
 
 MOST_LISTED = 100
 """Limit of names in a report's list."""

@@ -14,7 +14,7 @@ from pointbrush.labels import Label, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, Only
-from pointbrush.masks import draw, lift
+from pointbrush.masks import LiftOptions, draw, lift
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.values.masks import VOID, MaskEdit
 from pointbrush.work.annotate.layers import KeptAnnotation
@@ -36,9 +36,15 @@ BACKGROUND = 65534
 by chance."""
 SUREST = 255
 """Confidence of a predicted point without a confidence of its own."""
+_DEFAULTS = LiftOptions()
 
 
-def lifted(recording: Recording, frame: int, masks: Mapping[str, Mask]) -> NDArray[np.int32]:
+def lifted(
+    recording: Recording,
+    frame: int,
+    masks: Mapping[str, Mask],
+    options: LiftOptions = _DEFAULTS,
+) -> NDArray[np.int32]:
     """Return the value (N,) of masks by camera at each point, stored order: see ``masks.lift``.
 
     Raises NotFoundError (camera), BadInputError (size, no calibration).
@@ -50,7 +56,7 @@ def lifted(recording: Recording, frame: int, masks: Mapping[str, Mask]) -> NDArr
         views.append((view, mask))
     if not views:
         raise BadInputError("masks: expected the mask of at least one camera, got none")
-    return lift(views, recording[frame].xyz)
+    return lift(views, recording[frame].xyz, options)
 
 
 class Masks(Part):

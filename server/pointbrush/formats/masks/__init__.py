@@ -1,0 +1,1 @@
+"""Masks of pictures in files: classes and objects of pixels."""
