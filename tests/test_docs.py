@@ -209,7 +209,7 @@ def write_files(folder: Path) -> None:
     rng = np.random.default_rng(0)
     for name in ("sequences/00/velodyne", "predictions", "samples/LIDAR_TOP", "lidarseg"):
         (folder / name).mkdir(parents=True)
-    for name in ("recording", "scans", "kinect/depth", "kinect/color"):
+    for name in ("recording", "scans", "kinect/depth", "kinect/color", "masks/depth"):
         (folder / name).mkdir(parents=True)
     labels = np.repeat([40, 10], POINTS // 2).astype("<u4")
     for i in range(3):
@@ -225,6 +225,9 @@ def write_files(folder: Path) -> None:
             continue
         depth = rng.integers(900, 1100, (424, 512)).astype(np.uint16)
         Image.fromarray(depth).save(folder / f"kinect/depth/{i}.png")
+        Image.fromarray(np.where(depth > 1000, 10, 0).astype(np.uint8)).save(
+            folder / f"masks/depth/{i}.png"
+        )
         color = rng.integers(0, 255, (424, 512, 3)).astype(np.uint8)
         Image.fromarray(color).save(folder / f"kinect/color/{i}.png")
     labels.tofile(folder / "000000.label")

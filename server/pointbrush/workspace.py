@@ -349,6 +349,10 @@ class Workspace:
             from pointbrush.work.boxes.exporting import boxed_frames  # imports readers
 
             labeled = boxed_frames(labeled, kept, recording)
+        if formats.EXPORTS[export_format].pictures:
+            from pointbrush.work.masks.exporting import masked_frames  # imports readers
+
+            labeled = masked_frames(labeled, recording, chosen)
         palette = kept.palette(sequence)
         numbering = formats.EXPORTS[export_format].numbering
         numbers = self.labels.taxonomy.exported(palette, numbering)

@@ -130,7 +130,7 @@ def _exported(made: _Made) -> None:
         family = "kitti" if format == "semantickitti" else format
         made.add(family, Base(f"our {format}", files, "e"))
     for format, entry in EXPORTS.items():
-        if not entry.whole_boxes:
+        if not (entry.whole_boxes or entry.pictures):
             files = filled(lambda folder, format=format: write(format, folder))
             made.add("labels", Base(f"our {format}", files, "e", "points"))
     _plain_labels(made)

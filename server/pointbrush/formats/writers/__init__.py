@@ -18,7 +18,7 @@ from pointbrush.formats.tables.numbering import (
     TRAINING_NUMBERS,
     Numbering,
 )
-from pointbrush.formats.writers import boxes, labels_only, points, semantickitti, training
+from pointbrush.formats.writers import boxes, labels_only, masks, points, semantickitti, training
 from pointbrush.formats.writers.about import FrameLog, write_about, write_classes
 from pointbrush.formats.writers.labeled import (
     BlockedFrame,
@@ -60,6 +60,8 @@ class Export:
     """Its frames are split into training and validation."""
     whole_boxes: bool = False
     """It contains the boxes of labels as drawn or fitted, not boxes of the visible points."""
+    pictures: bool = False
+    """It contains labels in the pictures of cameras, not of points."""
     labels: tuple[str, str] | None = None
     """Format of labels that reads it, and the pattern of its label files; None: a file of points
     for each frame."""
@@ -85,6 +87,7 @@ _SINGLE = "coordinates beyond 32-bit floats"
 _COLORS = "colours"
 _BOXES = "point labels"
 _POINTS = "points and point labels"
+_UNSEEN = ("points", "labels of points that no camera sees")
 _NAMELESS = ("label names", OBJECTS, _COLORS)
 
 _ALL = (
@@ -202,6 +205,28 @@ _ALL = (
         masks=False,
         purpose="labels only",
         labels=("boxes", boxes.FILE),
+    ),
+    Export(
+        "masks-png",
+        "Masks, PNG",
+        "an image of labels for each camera and frame",
+        masks.write_png_masks,
+        (*_UNSEEN, _PROVENANCE),
+        masks=False,
+        purpose="labels only",
+        pictures=True,
+        labels=("masks-png", "labels/*/*.png"),
+    ),
+    Export(
+        "masks-coco",
+        "Masks, COCO",
+        "objects in the pictures of cameras, with tracks",
+        masks.write_coco_masks,
+        (*_UNSEEN, _PROVENANCE),
+        masks=False,
+        purpose="labels only",
+        pictures=True,
+        labels=("masks-coco", masks.COCO_FILE),
     ),
 )
 EXPORTS: dict[str, Export] = {entry.name: entry for entry in _ALL}

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.boxes.scene import SceneFrame
+from pointbrush.formats.masks.mask import PictureMask
 from pointbrush.formats.readers.las_header import FieldScale, scalings_of
 from pointbrush.formats.tables.datasets import SEMANTIC_KITTI
 from pointbrush.formats.tables.numbering import Numbering, numbering_of
@@ -99,6 +100,8 @@ class LabeledFrame:
     split: Split = Split()
     boxes: SceneFrame | None = None
     """The frame with the boxes of its labels, for formats that write boxes."""
+    masks: Sequence[PictureMask] = ()
+    """Its labels in the pictures of its cameras, for formats that write masks."""
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}
@@ -158,6 +161,7 @@ class BlockedFrame:
     recording: str = ""
     split: Split = Split()
     boxes: SceneFrame | None = None
+    masks: Sequence[PictureMask] = ()
 
     @property
     def stem(self) -> str:

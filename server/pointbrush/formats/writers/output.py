@@ -42,7 +42,7 @@ class _Zip:
     @contextmanager
     def file(self, name: str) -> Iterator[BinaryIO]:
         # Compressed already: deflating again costs time and gains nothing.
-        packed = name.endswith((".npz", ".laz"))
+        packed = name.endswith((".npz", ".laz", ".png"))
         info = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
         info.compress_type = zipfile.ZIP_STORED if packed else zipfile.ZIP_DEFLATED
         info.external_attr = 0o644 << 16

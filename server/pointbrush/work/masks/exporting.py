@@ -1,0 +1,54 @@
+"""Export of labels as masks of the pictures of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import PurePath
+
+import numpy as np
+
+from pointbrush import formats
+from pointbrush.errors import BadInputError
+from pointbrush.formats.masks.mask import PictureMask
+from pointbrush.masks import draw
+from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.masks import LATTICE
+from pointbrush.work.masks.views import camera_names, view_of
+
+
+def masked_frames(
+    frames: Iterable[formats.ExportFrame], recording: Recording, chosen: range
+) -> Iterator[formats.ExportFrame]:
+    """Return the frames with their labels in the pictures of calibrated cameras.
+
+    Raises BadInputError if ``chosen``, the numbers of the frames, have no such camera.
+    """
+    if not any(_endings(recording, index) for index in chosen):
+        raise BadInputError(
+            "format: masks are of pictures of cameras with a calibration, or of a depth camera; "
+            "the frames have neither"
+        )
+    return (replace(frame, masks=tuple(_masks(frame, recording))) for frame in frames)
+
+
+def _endings(recording: Recording, index: int) -> dict[str, str]:
+    """Return the calibrated cameras of a frame with the endings of their pictures."""
+    pictures = {each.name: each for each in recording.projections(index)}
+    endings = {}
+    for name in camera_names(recording, index):
+        known = pictures.get(name)
+        if name == LATTICE:
+            endings[name] = ".png"
+        elif known is not None and known.K is not None and known.T_camera_frame is not None:
+            endings[name] = PurePath(known.file).suffix
+    return endings
+
+
+def _masks(frame: formats.ExportFrame, recording: Recording) -> Iterator[PictureMask]:
+    blocks = [(block.label, block.deleted) for block in frame.blocks()]
+    label, deleted = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+    order = recording[frame.index].source_index
+    for camera, ending in _endings(recording, frame.index).items():
+        view = view_of(recording, frame.index, camera).without(deleted[order])
+        yield PictureMask(camera, draw(view, label[order]), ending)
