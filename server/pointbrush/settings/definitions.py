@@ -10,6 +10,7 @@ import os
 import sys
 from collections.abc import Collection
 from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
 from typing import Any, get_type_hints
 from urllib.parse import parse_qs, urlsplit
 
@@ -108,6 +109,7 @@ def values_of(kind: type, source: object) -> dict[str, Any]:
     return {each.name: getattr(source, each.name) for each in fields(kind)}
 
 
+@cache
 def options_of(kind: type) -> tuple[Option, ...]:
     """Return the options of the dataclass ``kind``, in the order of its fields."""
     hints = get_type_hints(kind)
