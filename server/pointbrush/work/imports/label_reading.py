@@ -44,9 +44,7 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels.boxes.journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.storage.manifest import Manifest
 from pointbrush.sequences.storage.stored_files import RecordingFiles
-from pointbrush.sequences.storage.recording_files import RecordingFiles
 from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.frame_labels import (
