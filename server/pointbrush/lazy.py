@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
+import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -11,13 +14,14 @@ from typing import TYPE_CHECKING, Any, TypeVar
 Part = TypeVar("Part")
 
 
-def lazily(package: str, modules: Mapping[str, str]) -> Callable[[str], Any]:
-    """A ``__getattr__`` of ``package``: each name comes from its module, once.
-
-    ``modules``: names, with spaces between them, by the module of ``package`` that has them.
-    """
+def lazily(package: str) -> Callable[[str], Any]:
+    """A ``__getattr__`` of ``package``: what it imports for type checkers, each name once."""
+    imports = ast.walk(ast.parse(inspect.getsource(sys.modules[package])))
     places = {
-        name: f"{package}.{module}" for module, names in modules.items() for name in names.split()
+        alias.name: each.module
+        for each in imports
+        if isinstance(each, ast.ImportFrom) and (each.module or "").startswith(f"{package}.")
+        for alias in each.names
     }
 
     def find(name: str) -> Any:

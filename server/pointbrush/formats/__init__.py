@@ -20,13 +20,4 @@ if TYPE_CHECKING:
         export,
     )
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "writers": "BlockedFrame EXPORTS ExportFrame LabeledFrame Split export",
-            "options": "Limits ReadOptions",
-            "tables.palette": "own_labels",
-            "registry": "FORMATS Format format_names",
-            "source": "open_source read reported source_name",
-        },
-    )
+    __getattr__ = lazily(__name__)

@@ -27,14 +27,4 @@ if TYPE_CHECKING:
         Write,
     )
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "boxes.editing": "BoxEdit BoxList Made",
-            "classes.changes": "Category",
-            "reading": "View",
-            "recordings": "KEPT_SECONDS Known",
-            "store": "LabelStore",
-            "types": "Cell Commit Delta EditInfo FrameValues GapError Label Progress Write",
-        },
-    )
+    __getattr__ = lazily(__name__)

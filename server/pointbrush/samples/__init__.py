@@ -14,10 +14,4 @@ if TYPE_CHECKING:
     from pointbrush.samples.generating import KINDS, generate, write
     from pointbrush.samples.recording import Recording
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "generating": "KINDS generate write",
-            "recording": "Recording",
-        },
-    )
+    __getattr__ = lazily(__name__)

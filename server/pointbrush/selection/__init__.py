@@ -13,13 +13,4 @@ if TYPE_CHECKING:
     from pointbrush.selection.shapes import SHAPES
     from pointbrush.selection.stroke import MAX_FRAMES, TOOLS, Stroke
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "plane": "fit_plane",
-            "points": "PointSet Points",
-            "selecting": "Selector first_hits select",
-            "shapes": "SHAPES",
-            "stroke": "MAX_FRAMES Stroke TOOLS",
-        },
-    )
+    __getattr__ = lazily(__name__)

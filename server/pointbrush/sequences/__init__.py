@@ -18,18 +18,4 @@ if TYPE_CHECKING:
     from pointbrush.sequences.store import Sequence, open_sequence
     from pointbrush.sequences.stored_frame import StoredFrame
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "check": "note_checksums verify",
-            "depth.lattice": "Lattice",
-            "storage.files": "clean_temporary",
-            "importer": "LARGE_POINTS import_frames import_large",
-            "storage.manifest": "Manifest read_manifest update_manifest",
-            "octree.coordinates": "load_loops",
-            "record": "RecordingInfo",
-            "source_order": "source_blocks",
-            "store": "Sequence open_sequence",
-            "stored_frame": "StoredFrame",
-        },
-    )
+    __getattr__ = lazily(__name__)

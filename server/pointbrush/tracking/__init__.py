@@ -20,11 +20,4 @@ if TYPE_CHECKING:
     )
     from pointbrush.tracking.registry import METHODS
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "interface": "FrameKnowledge FrameResult Frames Known Method Seed "
-            "TrackFrame TrackOptions TrackState",
-            "registry": "METHODS",
-        },
-    )
+    __getattr__ = lazily(__name__)

@@ -21,13 +21,4 @@ if TYPE_CHECKING:
     from pointbrush.selection.objects.state import ObjectFrame, ObjectState
     from pointbrush.selection.objects.weights import load_weights
 if not TYPE_CHECKING:
-    __getattr__ = lazily(
-        __name__,
-        {
-            "choosing": "Candidate candidates",
-            "options": "ObjectOptions",
-            "preparing": "prepare",
-            "state": "ObjectFrame ObjectState",
-            "weights": "load_weights",
-        },
-    )
+    __getattr__ = lazily(__name__)
