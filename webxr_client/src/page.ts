@@ -1,6 +1,6 @@
 /** Wiring only. */
 import { ObjectBoxes } from './boxes/index';
-import { mountBoxes } from './boxes/panel';
+import { BoxesPanel } from './boxes/panel';
 import { isCheck } from './common/checking';
 import { installCameras } from './cameras/strip';
 import { installDesk } from './desktop/desk';
@@ -10,19 +10,22 @@ import { Engine } from './engine/engine';
 import { installHook } from './engine/hook';
 import { followOwnKeys } from './engine/people/own-keys';
 import { ExampleBar, ExampleButton } from './example/bar';
-import { mountExample } from './example/panel';
+import { ExamplePanel } from './example/panel';
 import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
 import { installOverlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { ProjectSettings } from './team/settings-dialog';
+import { bindActions } from './store/actions';
 import { notify, state } from './store/state';
 import { installTheme } from './store/theme';
 import { follow } from './store/watch';
 import { Compared } from './work/compared';
 import { Flight } from './work/flight';
-import { mountWork, WorkButton } from './work/panel';
+import { followWork } from './work/following';
+import { WorkButton, WorkPanel } from './work/panel';
 import { HandInQuestion } from './work/question';
+import { begin } from './work/queue';
 
 /** Longest wait for the first picture before the rest of the page is loaded. */
 const LONGEST_MS = 1500;
@@ -52,13 +55,17 @@ export function startPage(early: Early): void {
       buttons: [ExampleButton, WorkButton],
       bars: [ExampleBar],
       dialogs: [Help, CommandPalette, ProjectSettings, HandInQuestion],
+      asides: [
+        ['boxes', 'Boxes', BoxesPanel],
+        ['work', 'Work', WorkPanel],
+        ['example', 'By example', ExamplePanel],
+      ],
     });
     followOwnKeys();
+    followWork();
+    bindActions({ recordings: { nextTask: begin } });
     new Predicting(engine);
-    mountWork();
-    mountExample();
     new Compared(engine);
-    mountBoxes();
     new Flight(engine);
     const { installHeadset, leadFirstMinute } = await import('./xr/index');
     const headset = installHeadset(engine, overlays);

@@ -1,7 +1,6 @@
 /** The boxes at the side: fitting, three views of the chosen one, copies, attributes. */
 import type { BoxFit } from '../protocol/values';
 import { signal } from '@preact/signals';
-import { render } from 'preact';
 import { percent, plural } from '../common/format';
 import { Button, Swatch } from '../panels/parts/controls';
 import { MenuItem, PopoverButton } from '../panels/parts/popover';
@@ -25,7 +24,7 @@ import {
 import { drawing } from './new';
 import { BoxViews } from './views';
 
-function BoxesPanel() {
+export function BoxesPanel() {
   if (state.tool.value !== 'boxes' || !state.sequence.value) return null;
   if (state.xr.value.session === 'running') return null;
   const box = chosenBox.value;
@@ -182,17 +181,4 @@ function Sizes({ box }: { box: ObjectBox }) {
       ))}
     </fieldset>
   ); // prettier-ignore
-}
-
-/** Put the panel beside the stage; the result removes it. */
-export function mountBoxes(): () => void {
-  const place = document.createElement('aside');
-  place.id = 'boxes';
-  place.setAttribute('aria-label', 'Boxes');
-  document.getElementById('stage')!.after(place);
-  render(<BoxesPanel />, place);
-  return () => {
-    render(null, place);
-    place.remove();
-  };
 }

@@ -50,8 +50,7 @@ function run(binding: KeyBinding, event: KeyboardEvent, key: string): void {
   event.preventDefault();
 }
 
-/** The result stops listening. */
-export function listenToKeys(camera: DeskCamera): () => void {
+export function listenToKeys(camera: DeskCamera): void {
   const down = (event: KeyboardEvent): void => {
     if (typing(event.target) || event.defaultPrevented || isForControl(event)) return;
     if (boxKey(event)) event.preventDefault();
@@ -79,11 +78,8 @@ export function listenToKeys(camera: DeskCamera): () => void {
     for (const binding of keyTable.peek().values()) binding.released?.();
     camera.releaseKeys();
   };
-  const abort = new AbortController();
-  const own = { signal: abort.signal };
-  addEventListener('keydown', down, own);
-  addEventListener('keyup', up, own);
-  addEventListener('blur', blur, own);
-  document.getElementById('view')?.addEventListener('pointerenter', releaseSlider, own);
-  return () => abort.abort();
+  addEventListener('keydown', down);
+  addEventListener('keyup', up);
+  addEventListener('blur', blur);
+  document.getElementById('view')?.addEventListener('pointerenter', releaseSlider);
 }

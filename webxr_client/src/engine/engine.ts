@@ -132,7 +132,7 @@ export class Engine {
   /** `opening`: the recording that is opened while the page loads, or null. */
   private listen(opening: Promise<string | null>): void {
     const { viewer, playback, strokes, objects, regions, following, link } = this;
-    const parts = { viewer, playback, strokes, objects, regions, following, link };
+    const parts = { viewer, playback, strokes, objects, regions, following };
     const opened = (): void => {
       this.pacing.reset();
       state.framed.value = false;

@@ -4,7 +4,6 @@ import { actions } from '../store/actions';
 import type { CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
 import { firstOf } from '../net/early';
-import type { Link } from '../net/link';
 import type { FromWorker, LabelUpdate, PlainMessage } from '../net/wire';
 import type {
   Compiling,
@@ -32,7 +31,6 @@ export interface InboxDeps {
   readonly objects: ObjectTool;
   readonly regions: RegionPreview;
   readonly following: Following;
-  readonly link: Link;
   /** A recording was opened that was not open before. */
   readonly opened: () => void;
   /** Recording that was opened while the page loaded, or null. */

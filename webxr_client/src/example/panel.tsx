@@ -1,6 +1,5 @@
 /** Panel at the side: the classes of the classifier, their accuracy, and confused pairs. */
 import { signal } from '@preact/signals';
-import { render } from 'preact';
 import { percent, plural } from '../common/format';
 import { Button, Swatch } from '../panels/parts/controls';
 import { PopoverButton } from '../panels/parts/popover';
@@ -9,7 +8,7 @@ import { canEdit, canManage, state } from '../store/state';
 import { coloursOf, type Prediction, type Scope, type Tally, talliesOf } from './model';
 import { chooseClassifier, classifier, classifiers, closeExample, deleteClassifier, exampleOpen, makeClassifier, natural, nextDoubt, only, predicted, scope, teachOpenRecording } from './store'; // prettier-ignore
 
-function ExamplePanel() {
+export function ExamplePanel() {
   const shown = exampleOpen.value && state.xr.value.session !== 'running';
   if (!shown || !state.sequence.value || !classifier.value) return null;
   const prediction = predicted.value;
@@ -150,17 +149,4 @@ function Scopes() {
       <RadioGroup label="Search for doubts in" class="segmented" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
     </section>
   ); // prettier-ignore
-}
-
-/** Put the panel beside the stage; the result takes it away again. */
-export function mountExample(): () => void {
-  const place = document.createElement('aside');
-  place.id = 'example';
-  place.setAttribute('aria-label', 'By example');
-  document.getElementById('work')!.after(place);
-  render(<ExamplePanel />, place);
-  return () => {
-    render(null, place);
-    place.remove();
-  };
 }

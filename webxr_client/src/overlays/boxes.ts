@@ -1,5 +1,4 @@
 /** An upright box round each labelled object of the frame on screen. */
-import { free } from '../common/free';
 import { BoxGeometry, Color, DynamicDrawUsage, InstancedMesh, MeshBasicMaterial, type Matrix4, type Object3D } from 'three'; // prettier-ignore
 import { reaches } from '../cloud/points/clipping';
 import { boxedLabels } from '../store/boxes';
@@ -94,10 +93,5 @@ export class Boxes {
     m[to + 13] = values[at(slot, BOX + 1)]! + middle[1]!;
     m[to + 14] = values[at(slot, BOX + 2)]! - sin * u + cos * v;
     m[to + 15] = 1;
-  }
-
-  dispose(): void {
-    free(this.mesh);
-    this.mesh.dispose();
   }
 }

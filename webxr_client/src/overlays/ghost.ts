@@ -2,7 +2,6 @@
  * Ghost of the labelled objects in the previous frame: some of their points, in grey, to distinguish
  * them from labelled points.
  */
-import { free } from '../common/free';
 import { BufferGeometry, DynamicDrawUsage, Float32BufferAttribute, Points, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { type CloudFrame } from '../cloud/points/frame';
 import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
@@ -87,10 +86,6 @@ export class Ghost {
     this.points.visible = count > 0;
     this.points.geometry.setDrawRange(0, count);
     position!.needsUpdate = color!.needsUpdate = true;
-  }
-
-  dispose(): void {
-    free(this.points);
   }
 }
 

@@ -1,5 +1,4 @@
 /** The ways of the labelled objects through the frames near the playhead. */
-import { free } from '../common/free';
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, LineBasicMaterial, LineSegments, Points, type Color, type Matrix4, type Object3D, type RawShaderMaterial } from 'three'; // prettier-ignore
 import { shows } from '../cloud/points/clipping';
 import { dotMaterial, type PointUniforms } from '../cloud/picture/material';
@@ -144,9 +143,5 @@ export class Trails {
     this.count = count;
     dots.reveal(this.points, count);
     ends.reveal(this.lines, joined);
-  }
-
-  dispose(): void {
-    for (const object of [this.lines, this.points]) free(object);
   }
 }

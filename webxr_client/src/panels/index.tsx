@@ -27,10 +27,12 @@ export interface MorePanels {
   /** Over the canvas, at the bottom. */
   readonly bars: readonly Panel[];
   readonly dialogs: readonly Panel[];
+  /** Beside the stage, from left to right: identifier, accessible name and panel. */
+  readonly asides: readonly (readonly [id: string, label: string, panel: Panel])[];
 }
 
-/** Fill the places of the page; the result empties them again. */
-export function mountPanels({ buttons, bars, dialogs }: MorePanels): () => void {
+/** Fill the places of the page. */
+export function mountPanels({ buttons, bars, dialogs, asides }: MorePanels): void {
   const page = document;
   const places: [string, ComponentChild][] = [
     ['toolbar', <Toolbar buttons={buttons} />],
@@ -40,16 +42,20 @@ export function mountPanels({ buttons, bars, dialogs }: MorePanels): () => void 
     ['panels', [<Tooltip />, dialogs.map((Dialog) => <Dialog />), <ImportDialog />, <InsecureHeadset />, <AtTheDesk panel={Tour} />]], // prettier-ignore
   ];
   for (const [id, panel] of places) render(panel, page.getElementById(id)!);
-  const layout = follow(() => {
+  let before = page.getElementById('stage')!;
+  for (const [id, label, Panel] of asides) {
+    const aside = page.createElement('aside');
+    aside.id = id;
+    aside.setAttribute('aria-label', label);
+    before.after(aside);
+    before = aside;
+    render(<Panel />, aside);
+  }
+  follow(() => {
     const app = page.getElementById('app')!.classList;
     app.toggle('welcome', state.sequence.value === null);
     app.toggle('listing', listOpen.value || newLabel.value !== null || renaming.value !== null);
     page.title = state.sequence.value ? `${state.sequence.value.name} · pointbrush` : 'pointbrush';
   });
-  const drops = acceptDrops();
-  return () => {
-    drops();
-    layout();
-    for (const [id] of places) render(null, page.getElementById(id)!);
-  };
+  acceptDrops();
 }

@@ -1,5 +1,6 @@
 /** The tour as five cards: their texts and controls, and whether the user has seen them. */
 import { signal } from '@preact/signals';
+import { keep } from '../store/kept';
 
 export interface TourStep {
   readonly title: string;
@@ -70,11 +71,7 @@ export function beginTour(): void {
 
 export function leaveTour(): void {
   tourStep.value = null;
-  try {
-    localStorage.setItem(KEY, 'left');
-  } catch {
-    // A browser without storage shows the tour only on request.
-  }
+  keep(KEY, 'left');
 }
 
 /** Go on or back by cards; past the last of `count` the tour is over. */

@@ -19,3 +19,12 @@ export function kept(key: string): string | null {
     return fallback.get(key) ?? null;
   }
 }
+
+/** The JSON value kept under a key; null where there is none. */
+export function keptJson(key: string): unknown {
+  try {
+    return JSON.parse(kept(key) ?? 'null');
+  } catch {
+    return null;
+  }
+}

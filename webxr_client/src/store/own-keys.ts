@@ -1,6 +1,6 @@
 /** A person's own keys: this browser's copy of each account's, which the server keeps. */
 import { computed, signal, type ReadonlySignal } from '@preact/signals';
-import { keep, kept } from './kept';
+import { keep, keptJson } from './kept';
 import { state } from './state';
 import { follow } from './watch';
 
@@ -48,18 +48,13 @@ export const renamedKeys = signal<ReadonlyMap<string, string>>(new Map());
 export const keysToStore = signal<OwnKeys | null>(null);
 
 follow(() => {
-  chosen.value = withNewWords(parsed(kept(place.value)));
+  chosen.value = withNewWords(read());
   keysToStore.value = null;
 });
 
-function parsed(text: string | null): OwnKeys {
-  try {
-    const found: unknown = JSON.parse(text ?? '{}');
-    if (typeof found !== 'object' || found === null) return {};
-    return Object.fromEntries(Object.entries(found).filter(([, key]) => typeof key === 'string'));
-  } catch {
-    return {};
-  }
+function read(): OwnKeys {
+  const found = keptJson(place.value) ?? {};
+  return Object.fromEntries(Object.entries(found).filter(([, key]) => typeof key === 'string'));
 }
 
 function withNewWords(keys: OwnKeys): OwnKeys {

@@ -1,6 +1,6 @@
 /** Types of the store's values: `state.ts` has the signals. */
 import type { Unsent } from '../net/wire';
-import type { Brush, Welcome } from '../protocol/messages';
+import type { Brush, ServerPresence, Welcome } from '../protocol/messages';
 import type { Manifest } from '../protocol/values';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
@@ -30,17 +30,7 @@ export interface Me {
 /** Position x, y, z then quaternion x, y, z, w; room coordinates, metres, y up. */
 export type Pose = readonly [number, number, number, number, number, number, number];
 
-export interface Person {
-  readonly viewer: string;
-  readonly name: string;
-  readonly color: string;
-  readonly frame: number;
-  readonly head: Pose | null;
-  readonly hands: readonly (Pose | null)[];
-  readonly brush: readonly [number, number, number] | null;
-  readonly radius: number;
-  readonly label: number;
-}
+export type Person = Readonly<Omit<ServerPresence, 'type' | 'left'>>;
 
 // ── recordings ───────────────────────────────────────────────────────────────────────────────
 

@@ -1,5 +1,6 @@
 /** Personal settings of the headset; kept in the browser. */
 import { signal } from '@preact/signals';
+import { keep, keptJson } from './kept';
 import { follow } from './watch';
 
 export type Side = 'left' | 'right';
@@ -51,26 +52,14 @@ const KEY = 'pointbrush.headset';
 
 export const xrSettings = signal<XrSettings>(load());
 
-follow(() => {
-  try {
-    localStorage.setItem(KEY, JSON.stringify(xrSettings.value));
-  } catch {
-    // A browser that keeps nothing still works, it only forgets.
-  }
-});
+follow(() => keep(KEY, JSON.stringify(xrSettings.value)));
 
 export function change(fields: Partial<XrSettings>): void {
   xrSettings.value = { ...xrSettings.peek(), ...fields };
 }
 
 function load(): XrSettings {
-  try {
-    const kept: unknown = JSON.parse(localStorage.getItem(KEY) ?? '{}');
-    if (typeof kept !== 'object' || kept === null) return DEFAULTS;
-    const settings: XrSettings = { ...DEFAULTS, ...kept };
-    // Older pages stored the box as a tip, which no longer exists.
-    return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'sphere' };
-  } catch {
-    return DEFAULTS;
-  }
+  const settings: XrSettings = { ...DEFAULTS, ...(keptJson(KEY) as Partial<XrSettings> | null) };
+  // Older pages stored the box as a tip, which no longer exists.
+  return { ...settings, tip: settings.tip === 'ray' ? 'ray' : 'sphere' };
 }

@@ -1,12 +1,13 @@
 /** Views that a person keeps, in this browser and for each recording. */
 import { signal } from '@preact/signals';
+import { keep, keptJson } from '../store/kept';
 import type { Bookmark, View } from '../store/types';
 
 /** Of the recording that is open, in the order they were made. */
 export const bookmarks = signal<readonly Bookmark[]>([]);
 
 const MOST = 50;
-let kept = '';
+let place = '';
 
 function key(sequence: string): string {
   return `pointbrush.views.${sequence}`;
@@ -14,18 +15,13 @@ function key(sequence: string): string {
 
 /** Show the bookmarks of a recording; null: none is open. */
 export function openBookmarks(sequence: string | null): void {
-  kept = sequence === null ? '' : key(sequence);
-  bookmarks.value = kept ? read(kept) : [];
+  place = sequence === null ? '' : key(sequence);
+  bookmarks.value = place ? read(place) : [];
 }
 
 function read(name: string): readonly Bookmark[] {
-  try {
-    const found: unknown = JSON.parse(localStorage.getItem(name) ?? '[]');
-    return Array.isArray(found) ? found.filter(isBookmark) : [];
-  } catch {
-    // Other text under this key is no bookmark; a browser may have no storage at all.
-    return [];
-  }
+  const found = keptJson(name);
+  return Array.isArray(found) ? found.filter(isBookmark) : [];
 }
 
 function isBookmark(value: unknown): value is Bookmark {
@@ -63,9 +59,5 @@ export function removeBookmark(index: number): void {
 
 function write(all: readonly Bookmark[]): void {
   bookmarks.value = all;
-  try {
-    localStorage.setItem(kept, JSON.stringify(all));
-  } catch {
-    // They last as long as the page.
-  }
+  keep(place, JSON.stringify(all));
 }

@@ -13,10 +13,10 @@ const RELOAD_MS = 20_000;
 const PAUSE_MS = 1200;
 
 /** Reload states and findings after changes of labels; clear them with another recording. */
-function followEdits(): () => void {
+function followEdits(): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let shown = '';
-  const stop = follow(() => {
+  follow(() => {
     const id = state.sequence.value?.id ?? '';
     const wanted = [state.timeline.value, state.palette.value, shows('findings')];
     if (id !== shown) forgetReview();
@@ -25,10 +25,6 @@ function followEdits(): () => void {
     if (!workOpen.value || !id || wanted.length === 0) return;
     timer = setTimeout(() => void refreshReview(), checks.peek() ? PAUSE_MS : 0);
   });
-  return () => {
-    clearTimeout(timer);
-    stop();
-  };
 }
 
 function reload(): void {
@@ -38,22 +34,15 @@ function reload(): void {
   void loadStates().catch(() => undefined);
 }
 
-/** The result ends it. */
-export function followWork(): () => void {
-  const stops = [
-    followEdits(),
-    followCopies(),
-    follow(arrive),
-    watch([chosen], () => {
-      if (chosen.peek() !== null) openWork('tasks');
-    }),
-    follow(() => {
-      if (workOpen.value && state.sequence.value) queueMicrotask(() => void loadTasks());
-    }),
-  ];
-  const timer = setInterval(reload, RELOAD_MS);
-  return () => {
-    clearInterval(timer);
-    for (const stop of stops) stop();
-  };
+export function followWork(): void {
+  followEdits();
+  followCopies();
+  follow(arrive);
+  watch([chosen], () => {
+    if (chosen.peek() !== null) openWork('tasks');
+  });
+  follow(() => {
+    if (workOpen.value && state.sequence.value) queueMicrotask(() => void loadTasks());
+  });
+  setInterval(reload, RELOAD_MS);
 }

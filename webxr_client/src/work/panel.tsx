@@ -1,15 +1,11 @@
 /** The Work panel at the side: tasks, findings, frames, agreement and versions of a project. */
-import { render } from 'preact';
 import { Button } from '../panels/parts/controls';
 import { tabId, Tabs } from '../panels/parts/tabs';
-import { bindActions } from '../store/actions';
 import { state } from '../store/state';
 import { AgreementTab } from './agreement';
 import { Findings } from './findings';
-import { followWork } from './following';
 import { Frames } from './frames';
 import { marked, pointing } from './places';
-import { begin } from './queue';
 import { waiting } from './review';
 import { openWork, project, tabs, workOpen, workTab, type WorkTab } from './store';
 import { Tasks } from './tasks';
@@ -31,7 +27,7 @@ function close(): void {
   marked.value = pointing.value = null;
 }
 
-function WorkPanel() {
+export function WorkPanel() {
   if (!isShown()) return null;
   const tab = workTab.value;
   const [, Body] = TABS[tab];
@@ -69,19 +65,4 @@ export function WorkButton() {
       onClick={() => (open ? close() : openWork())}
     />
   );
-}
-
-/** Put the panel beside the stage; the result removes it. */
-export function mountWork(): () => void {
-  const place = document.createElement('aside');
-  place.id = 'work';
-  place.setAttribute('aria-label', 'Work');
-  document.getElementById('stage')!.after(place);
-  render(<WorkPanel />, place);
-  const stops = [followWork(), bindActions({ recordings: { nextTask: begin } })];
-  return () => {
-    for (const stop of stops) stop();
-    render(null, place);
-    place.remove();
-  };
 }

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { keep } from '../store/kept';
 import { wanted } from './headset';
 import { present } from './layers';
 
@@ -24,6 +25,7 @@ beforeEach(() => {
     getItem: (key: string) => kept.get(key) ?? null,
     setItem: (key: string, value: string) => kept.set(key, value),
   });
+  keep('pointbrush.layers', '');
   vi.stubGlobal('XRWebGLBinding', class { createProjectionLayer(): void {} }); // prettier-ignore
 });
 afterEach(() => vi.unstubAllGlobals());

@@ -1,4 +1,5 @@
 /** Projection layers, and sessions without them: some browsers have their API and cannot use it. */
+import { keep, kept } from '../store/kept';
 
 const KEY = 'pointbrush.layers';
 const UNUSABLE = 'unusable';
@@ -7,11 +8,7 @@ type Presenting = { setSession(session: XRSession): Promise<void> };
 
 /** Whether layers are asked for: they were never found to be unusable in this browser. */
 export function layersWanted(): boolean {
-  try {
-    return localStorage.getItem(KEY) !== UNUSABLE;
-  } catch {
-    return true;
-  }
+  return kept(KEY) !== UNUSABLE;
 }
 
 /** Let three.js present a session; where that fails with layers, once more without them. */
@@ -22,11 +19,7 @@ export async function present(xr: Presenting, session: XRSession): Promise<void>
   } catch (error) {
     if (!dropLayers()) throw error;
     await xr.setSession(session);
-    try {
-      localStorage.setItem(KEY, UNUSABLE);
-    } catch {
-      // A browser that keeps nothing finds out again.
-    }
+    keep(KEY, UNUSABLE);
   }
 }
 

@@ -100,8 +100,4 @@ export class PaletteTexture {
   isSpared(id: number): boolean {
     return (this.data[id * 4 + 3]! & FLAG_SPARED) !== 0;
   }
-
-  dispose(): void {
-    this.texture.dispose();
-  }
 }

@@ -9,22 +9,19 @@ import { attempt } from '../recordings/recordings';
 
 const PATH = 'me/keys';
 
-/** Load the keys of the signed-in account, and store its changes; the result stops it. */
-export function followOwnKeys(): () => void {
+/** Load the keys of the signed-in account, and store its changes. */
+export function followOwnKeys(): void {
   let known: string | null = null;
-  const stops = [
-    follow(() => {
-      const account = state.me.value?.account ?? null;
-      if (account === null || account === known) return;
-      known = account;
-      void untracked(load).catch(() => (known = null)); // requested again with the next welcome
-    }),
-    follow(() => {
-      const keys = keysToStore.value;
-      if (keys !== null) void attempt('Your keys are stored only in this browser', () => put(keys));
-    }),
-  ];
-  return () => stops.forEach((stop) => stop());
+  follow(() => {
+    const account = state.me.value?.account ?? null;
+    if (account === null || account === known) return;
+    known = account;
+    void untracked(load).catch(() => (known = null)); // requested again with the next welcome
+  });
+  follow(() => {
+    const keys = keysToStore.value;
+    if (keys !== null) void attempt('Your keys are stored only in this browser', () => put(keys));
+  });
 }
 
 async function load(): Promise<void> {

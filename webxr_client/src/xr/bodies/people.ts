@@ -101,15 +101,13 @@ export class People {
   private readonly avatars = new Map<string, Avatar>();
   /** The same, for every picture. */
   private present: readonly Avatar[] = [];
-  private readonly unsubscribe: () => void;
-
   private readonly eye = new Vector3();
 
   constructor(
     private readonly world: Group,
     changed: () => void,
   ) {
-    this.unsubscribe = follow(() => {
+    follow(() => {
       const people = state.people.value;
       for (const [viewer, avatar] of this.avatars) {
         if (people.some((person) => person.viewer === viewer)) continue;
@@ -141,23 +139,17 @@ export class People {
     this.world.worldToLocal(this.eye.copy(eye));
     for (let i = 0; i < this.present.length; i++) this.present[i]!.face(this.eye);
   }
-
-  dispose(): void {
-    this.unsubscribe();
-    for (const avatar of this.avatars.values()) avatar.dispose();
-    this.avatars.clear();
-  }
 }
 
 /** Metres from the desk's camera to its target in the view of a person in a headset. */
 const AHEAD = 1.5;
 
-/** Bring the desk's camera to the eyes of the person followed; the result stops it. */
-export function followPeople(engine: Engine): () => void {
+/** Bring the desk's camera to the eyes of the person followed. */
+export function followPeople(engine: Engine): void {
   const eye = new Vector3();
   const target = new Vector3();
   const turn = new Quaternion();
-  return state.people.subscribe((people) => {
+  state.people.subscribe((people) => {
     const viewer = following.peek();
     if (viewer === null) return;
     const head = people.find((person) => person.viewer === viewer)?.head;

@@ -2,6 +2,7 @@
 import { computed, signal } from '@preact/signals';
 import { doubtfulFrames } from '../../store/cells';
 import { canEdit, isStroke, state } from '../../store/state';
+import { keep, keptJson } from '../../store/kept';
 import { Listeners } from '../../store/listeners';
 import { peek } from '../../store/watch';
 import { chords, type Device } from './devices';
@@ -135,12 +136,8 @@ export class Lessons {
     const learnt = this.learnt.get(id) ?? new Set();
     if (learnt.has(lesson)) return;
     this.learnt.set(id, learnt.add(lesson));
-    try {
-      const kept = [...this.learnt].map(([device, lessons]) => [device, [...lessons]]);
-      localStorage.setItem(KEY, JSON.stringify(kept));
-    } catch {
-      // Not kept: then it is explained again another day.
-    }
+    const lessons = [...this.learnt].map(([device, learnt]) => [device, [...learnt]]);
+    keep(KEY, JSON.stringify(lessons));
   }
 
   /** Whether a hint helps now: its action is possible and was never done, or is the one that is taught. */
@@ -152,10 +149,7 @@ export class Lessons {
 }
 
 function load(): [string, Set<string>][] {
-  try {
-    const kept = JSON.parse(localStorage.getItem(KEY) ?? '[]') as [string, string[]][];
-    return kept.map(([device, lessons]) => [device, new Set(lessons)]);
-  } catch {
-    return [];
-  }
+  const known = keptJson(KEY);
+  if (!Array.isArray(known)) return [];
+  return (known as [string, string[]][]).map(([device, lessons]) => [device, new Set(lessons)]);
 }
