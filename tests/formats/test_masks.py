@@ -92,6 +92,8 @@ def test_cvat_writes_colours_and_a_labelmap(tmp_path: Path) -> None:
         ("classes.txt", "car\nman\n"),
         ("labels.json", '{"0": "background", "1": "car", "2": "man"}'),
         ("classes.json", '["car", "man"]'),
+        ("classes.json", '{"car": 1, "man": 2}'),
+        ("labels.json", '{"1": {"name": "car"}, "2": {"name": "man", "color": "#008000"}}'),
         ("label_colors.txt", "0 0 0 void\n0 128 0\tman\n128 0 0\tcar\n"),
     ],
 )

@@ -291,7 +291,9 @@ def test_masks_of_several_cameras_are_one_edit_and_painted_points_win(
     assert trial.state == "done", trial.error
     assert not (labels(workspace, "lidar", 0) != "").any()
     some = paint_some(workspace)
-    done = run(workspace, tmp_path / "masks", "lidar")
+    shutil.copytree(tmp_path / "masks", tmp_path / "id of an upload" / "masks")
+    upload = tmp_path / "id of an upload"
+    done = run(workspace, upload, "lidar", upload=upload)
     assert done.state == "done", done.error
     names = labels(workspace, "lidar", 0)
     assert (names[some] == "kept").all()

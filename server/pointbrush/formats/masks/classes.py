@@ -32,7 +32,6 @@ NAMES = (
 )
 """Files of classes, in the order of trial."""
 BACKGROUND = (*NO_CLASS, "background", "ignored")
-"""Names of pixels that belong to no class."""
 _COLORED = re.compile(r"([^:#]+):(\d{1,3}),(\d{1,3}),(\d{1,3}):[^:]*:[^:]*")
 _CAMVID = re.compile(r"(\d{1,3})\s+(\d{1,3})\s+(\d{1,3})\s+(\S.*)", re.ASCII)
 _NUMBERED = re.compile(r"\d+\s*[:,;\s]\s*\S.*", re.ASCII)
@@ -71,10 +70,8 @@ def read_classes(mask: Path, *, counted_from: int | None = None) -> MaskClasses:
     if path.stat().st_size > MAP_BYTES:
         raise BadInputError(f"{path.name}: expected at most {MAP_BYTES:,} bytes")
     text = read_bytes(path).decode("utf-8-sig", "replace")
-    if path.suffix == ".json":
-        return _of_json(path.name, text, counted_from)
-    if path.suffix == ".yaml":
-        return _of_yaml(path.name, text, counted_from)
+    if path.suffix in (".json", ".yaml"):
+        return _of_document(path.name, text, counted_from)
     lines = [line.strip() for line in text.splitlines()]
     lines = [line for line in lines if line and not line.startswith("#")]
     for pattern, order in ((_COLORED, (0, 1, 2, 3)), (_CAMVID, (3, 0, 1, 2))):
@@ -118,37 +115,36 @@ def _of_names(file: str, names: Sequence[Any], counted_from: int | None) -> Mask
     return _of_numbers(file, {number: ClassName(name) for number, name in numbered})
 
 
-def _of_json(file: str, text: str, counted_from: int | None) -> MaskClasses:
-    try:
-        content = parse_json(text)
-    except ValueError as error:
-        raise BadInputError(f"{file}: expected JSON of classes: {error}") from None
-    listed = (
-        content.get("classes", content.get("categories")) if isinstance(content, dict) else content
-    )
-    if isinstance(listed, list) and all(isinstance(each, str) for each in listed):
-        return _of_names(file, listed, counted_from)
-    if isinstance(content, dict) and all(type(number) is int for number in content.values()):
-        text = "\n".join(f"{number} {name}" for name, number in content.items())
+def _of_document(file: str, text: str, counted_from: int | None) -> MaskClasses:
+    """Parse YOLO's ``names``, a list of names, names with numbers, or as ``parse_map`` does."""
+    content = _parsed(file, text)
+    keys = ("names", "classes", "categories")
+    held = isinstance(content, dict) and next((content[k] for k in keys if k in content), None)
+    found = held or content
+    if isinstance(found, list) and all(isinstance(each, str) for each in found):
+        return _of_names(file, found, counted_from)
+    pairs = [*found.items()] if isinstance(found, dict) else []
+    if pairs and all(type(value) is int for _, value in pairs):
+        pairs = [(number, name) for name, number in pairs]
+    if pairs and all(isinstance(name, str) for _, name in pairs):
+        text = "\n".join(f"{number} {name}" for number, name in pairs)
     return _of_numbers(file, parse_map(file, text))
 
 
-def _of_yaml(file: str, text: str, counted_from: int | None) -> MaskClasses:
+def _parsed(file: str, text: str) -> Any:
     import yaml
 
-    if len(text) > YAML_BYTES:
-        raise BadInputError(f"{file}: expected at most {YAML_BYTES:,} characters of YAML")
     try:
-        content = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError):
-        raise BadInputError(f"{file}: expected YAML of class names") from None
-    names = content.get("names") if isinstance(content, dict) else None
-    if isinstance(names, dict):
-        return _of_numbers(file, parse_map(file, "\n".join(f"{k} {v}" for k, v in names.items())))
-    if not isinstance(names, list):
-        raise BadInputError(f"{file}: expected YAML with 'names', got none")
-    return _of_names(file, names, counted_from)
+        if file.endswith(".json"):
+            return parse_json(text)
+        if len(text) <= YAML_BYTES:
+            return yaml.safe_load(text)
+        reason = f"more than {YAML_BYTES:,} characters"
+    except (ValueError, RecursionError, yaml.YAMLError) as error:
+        reason = " ".join(str(error).split())[:120]
+    raise BadInputError(f"{file}: expected names of classes: {reason}")
 
 
 def _is_background(name: str) -> bool:
+    """Return whether a name means pixels that belong to no class."""
     return name.strip().strip("_").lower() in BACKGROUND

@@ -147,12 +147,18 @@ class ImageMasks:
         if mode in DEEP:
             return self._of_deep(values, name)
         if mode not in PLAIN or (mode == "P" and self.classes.by_color):
-            if self.classes.colors or any(v != (v & 255) * GRAY for v in values):
+            if self._has_colors(values):
                 return self._of_colors(values, name)
             values = [value & 255 for value in values]
         if mode != "P" and {*values} <= {0, 255}:
             return [(1, 0) if value else self._of_index(0) for value in values]
         return [self._of_index(value) for value in values]
+
+    def _has_colors(self, values: list[int]) -> bool:
+        """Return whether the colours of an image are of classes, rather than indices in grey."""
+        gray = all(value == (value & 255) * GRAY for value in values)
+        colors = self.classes.colors
+        return not gray or self.classes.by_color or any(v in colors for v in values if v)
 
     def _of_index(self, value: int, void: int = 255) -> Key:
         """Return the key of an index: the greatest one says nothing, and 0 is no class, unless they
