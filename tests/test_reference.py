@@ -7,6 +7,7 @@ import json
 import os
 import socket
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,6 +18,7 @@ import pytest
 from pointbrush import client as package
 from pointbrush.client import Client
 from pointbrush.client.steps import Part, steps
+from tests.services import example_service
 from tests.serving import TOKEN, serving
 from tests.test_docs import ROOT, Place, place  # noqa: F401 – a fixture
 
@@ -75,7 +77,11 @@ def test_the_examples_run_and_ask_for_every_route(
     frames = SimpleNamespace(DataFrame=lambda rows, **_: rows)
     monkeypatch.setitem(sys.modules, "pandas", frames)
     monkeypatch.setattr("socket.getaddrinfo", resolved)
-    with serving(place.settings) as served, Client(served.url, TOKEN) as client:
+    with (
+        example_service("mask_server.py") as address,
+        serving(replace(place.settings, mask_models=f"toy={address}")) as served,
+        Client(served.url, TOKEN) as client,
+    ):
         names = {"client": client, "url": served.url, "token": TOKEN, "Path": Path}
         exec(compile(CALLS.read_text(), str(CALLS), "exec"), names)
     asked = {

@@ -138,6 +138,9 @@ mask[:24] = other.id
 edit = frame.set_mask("colour", mask)
 print(edit.changed, edit.doubt)
 
+# Frame.predict_mask
+edit = frame.predict_mask("colour", "toy", positives=[[32, 24]], label=other.id)
+
 # Frame.thumbnail
 Path("frame.jpg").write_bytes(frame.thumbnail())
 

@@ -221,9 +221,10 @@ class Workspace:
     @once
     def masks(self) -> Masks:
         """Return the service for masks of pictures."""
+        from pointbrush.masks.models import MaskModels
         from pointbrush.work.masks.service import Masks
 
-        return Masks(self.labels, self.recording)
+        return Masks(self.labels, self.recording, MaskModels.parse(self.settings.mask_models))
 
     @once
     def fitting(self) -> Fitting:

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pointbrush.classify import models
 from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models, Question, chances_of
 from pointbrush.classify.options import FeatureOptions
 from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.exchange import model_names
 from tests.services import example_service
 
 EXAMPLE = "model_server.py"
@@ -45,7 +45,7 @@ class Heights:
 
 @pytest.fixture
 def plug_in(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(models, "entry_points", _entries)
+    monkeypatch.setattr(model_names, "entry_points", _entries)
 
 
 def _entries(group: str, name: str | None = None) -> Sequence[EntryPoint]:

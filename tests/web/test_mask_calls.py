@@ -18,6 +18,7 @@ from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.frame import DepthCamera
 from pointbrush.sequences import RecordingInfo, import_frames
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera, grey_pictures
+from tests.services import example_service
 from tests.serving import TOKEN, Served, serving, settings_in
 
 K = np.array([[FOCAL, 0, 64], [0, FOCAL, 53], [0, 0, 1.0]])
@@ -25,17 +26,26 @@ PART = (slice(20, 50), slice(30, 90))
 """Rows and columns of the pixels of the tests' masks."""
 
 
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """Where the documented example of a model listens."""
+    with example_service("mask_server.py") as url:
+        yield url
+
+
 @pytest.fixture
-def served(tmp_path: Path) -> Iterator[Served]:
+def served(tmp_path: Path, address: str) -> Iterator[Served]:
     """Recordings of one frame: ``kinect`` with a depth image, a camera at its place and one without
     calibration; ``cloud`` of the same points alone.
     """
-    settings = settings_in(tmp_path)
+    settings = settings_in(tmp_path, mask_models=f"toy={address}")
     camera = DepthCamera(WIDTH, HEIGHT, FOCAL, FOCAL, 64, 53)
     pixel = np.arange(WIDTH * HEIGHT, dtype=np.uint32)
     source = grey_pictures(1, (WIDTH, HEIGHT), {"colour": K, "unknown": None})
-    frames = {"kinect": replace(depth_camera(0), camera=camera, pixel=pixel)}
-    frames["cloud"] = depth_camera(0)
+    found = depth_camera(0)
+    assert found.rgb is not None
+    found.rgb.reshape(HEIGHT, WIDTH, 3)[PART] = (250, 0, 0)
+    frames = {"kinect": replace(found, camera=camera, pixel=pixel), "cloud": depth_camera(0)}
     for name, frame in frames.items():
         target = settings.workspace / "sequences" / name
         shown = source if name == "kinect" else None
@@ -156,3 +166,27 @@ def test_predicted_mask_adds_its_classes(kinect: Recording) -> None:
     assert labelled.sum() > 1500
     assert (frame.annotation("provenance")[labelled] == 4).all()
     assert frame.annotation("confidence")[labelled].min() > 240
+
+
+def test_masks_of_a_model_become_predicted_labels(kinect: Recording) -> None:
+    frame, mine = kinect.frames[0], kinect.create_label("mine")
+    row, column = frame.points()["pixel"].T.astype(int)
+    inside = np.zeros((HEIGHT, WIDTH), np.bool_)
+    inside[PART] = True
+    on = [[PART[1].start + 2, PART[0].start + 2]]
+    done = frame.predict_mask("depth", "toy", positives=on, label=mine.id)
+    assert done.changed == inside.sum()
+    assert ((frame.annotation() == mine.id) == inside[row, column]).all()
+    assert set(frame.annotation("provenance")) == {0, 4}
+    kinect.undo()
+    frame.predict_mask("depth", "toy", text="the red board")
+    (red,) = (each for each in kinect.labels() if each.id != mine.id)
+    assert red.name == "red"
+    assert ((frame.annotation() == red.id) == inside[row, column]).all()
+    for camera, model, error, words in (
+        ("depth", "sam", BadInputError, "expected one of toy; got 'sam'"),
+        ("unknown", "toy", BadInputError, "its K is not known"),
+        ("colour", "toy", NotFoundError, "an object in the picture of 'colour', found none"),
+    ):
+        with pytest.raises(error, match=words):
+            frame.predict_mask(camera, model, text="red")

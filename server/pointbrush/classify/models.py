@@ -6,11 +6,10 @@ that returns a ``Model`` when it is called without arguments.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
-from importlib.metadata import entry_points
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +17,11 @@ from numpy.typing import NDArray
 from pointbrush.classify.features import Described, ExampleFrame
 from pointbrush.classify.grid import means
 from pointbrush.classify.options import MOST_CLASSES, NAME_LENGTH
-from pointbrush.errors import BadInputError, UnavailableError
+from pointbrush.errors import UnavailableError
+from pointbrush.exchange.model_names import ModelNames
 from pointbrush.exchange.npz_service import NpzService
 
 Features = NDArray[np.float32]
-GROUP = "pointbrush.classifiers"
 BUILT_IN = ""
 """Name of the trees, which are no model of one's own."""
 POINTS, FEATURES = "points", "features"
@@ -128,42 +127,22 @@ class HttpModel:
         return answer["scores"].astype(np.float32, copy=False)
 
 
-@dataclass(frozen=True, slots=True)
-class Models:
-    """Models that the operator allows by name: ``addresses`` of services, and plug-ins."""
+class Models(ModelNames):
+    """Models of classes that the operator allows by name."""
 
-    addresses: Mapping[str, str] = field(default_factory=dict)
-
-    @classmethod
-    def parse(cls, text: str) -> Models:
-        """Read ``NAME=ADDRESS``, separated by commas; raises BadInputError."""
-        found: dict[str, str] = {}
-        for entry in filter(None, (part.strip() for part in text.split(","))):
-            name, _, address = entry.partition("=")
-            if not name.isidentifier() or not address.startswith(("http://", "https://")):
-                raise BadInputError(f"models: expected NAME=http://host…, got {entry!r}")
-            if name in found:
-                raise BadInputError(f"models: expected one for {name}, got two")
-            found[name] = address
-        return cls(found)
-
-    def names(self) -> list[str]:
-        """List the models that can be chosen."""
-        return sorted({*self.addresses, *(entry.name for entry in entry_points(group=GROUP))})
+    GROUP: ClassVar[str] = "pointbrush.classifiers"
+    OPTION: ClassVar[str] = "models"
 
     def make(self, name: str) -> Model:
         """Return the model of a name; raises BadInputError (unknown), UnavailableError."""
-        if name not in self.names():
-            expected = ", ".join(self.names()) or "none, as this server has none"
-            raise BadInputError(f"model: expected one of {expected}; got {name!r}")
-        return _made(name, self.addresses.get(name))
+        return _made(name, self.address(name))
 
 
 @lru_cache(maxsize=64)
 def _made(name: str, address: str | None) -> Model:
     """Make a model once a process: its weights may be large, a service is asked for its name."""
     if address is None:
-        model: Model = next(iter(entry_points(group=GROUP, name=name))).load()()
+        model: Model = Models.plug_in(name)
     else:
         model = HttpModel(address, name)
     if model.takes not in (POINTS, FEATURES):

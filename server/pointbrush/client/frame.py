@@ -24,7 +24,7 @@ from pointbrush.client.answers import (
 from pointbrush.client.steps import L, Part, Steps, steps
 from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera
-from pointbrush.values.masks import LATTICE, MaskEdit
+from pointbrush.values.masks import LATTICE, MaskEdit, MaskPrompt
 from pointbrush.values.objects import Candidate, Candidates
 from pointbrush.values.tracking import Clearing, Copying
 
@@ -102,6 +102,31 @@ class Frame(Part[L]):
             headers={"Content-Type": "application/x-npy"},
             params=params,
         )
+        return read(MaskEdit, answer.json())
+
+    @steps
+    def predict_mask(
+        self,
+        camera: str,
+        model: str,
+        *,
+        positives: ArrayLike = (),
+        negatives: ArrayLike = (),
+        text: str = "",
+        label: int | None = None,
+    ) -> Steps[MaskEdit]:
+        """Label the points seen in masks that a model of the server finds in a picture.
+
+        ``positives``, ``negatives`` (P, 2): clicks on and beside the object, column and row.
+        ``label``: id of the label of all found points; by default those of the model's classes.
+        """
+        ons, offs = (
+            tuple((float(u), float(v)) for u, v in np.reshape(each, (-1, 2)))
+            for each in (positives, negatives)
+        )
+        body = MaskPrompt(model, ons, offs, text, label, str(uuid.uuid4())).given()
+        place = f"/masks/{quote(camera, safe='')}/predict"
+        answer = yield from self._call("POST", place, json=body, idempotent=True)
         return read(MaskEdit, answer.json())
 
     @steps

@@ -134,6 +134,12 @@ class Settings:
         "commas; installed plug-ins need no entry",
         group=JOBS,
     )
+    mask_models: str = option(
+        "",
+        "services that find masks in pictures: NAME=http://host:port, separated by commas; "
+        "installed plug-ins need no entry",
+        group=JOBS,
+    )
     backup_to: str = option(
         "",
         "folder of dated backups, which share the files of recordings; servers make backups there",

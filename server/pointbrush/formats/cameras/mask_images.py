@@ -12,8 +12,6 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.cameras.images import opened
 from pointbrush.values.masks import VOID
 
-MOST_BYTES = 64 * 2**20
-"""Most bytes of a mask's file."""
 VOID_8_BIT = 255
 """VOID in an image of 8 bits, as in Pascal VOC and Cityscapes."""
 MODES = {"1": np.uint8, "L": np.uint8, "P": np.uint8, "I;16": np.uint16, "I;16B": np.uint16}

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from fastapi import Depends, Header, Path, Query, Request, Response
+from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.cameras.mask_images import MOST_BYTES, Mask, read_mask, write_mask
 from pointbrush.streaming.messages import Uuid
-from pointbrush.values.masks import MaskEdit
+from pointbrush.values.masks import MOST_BYTES, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.web import npy
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag
 from pointbrush.web.problems import BINARY
 from pointbrush.web.routes.frames import REVALIDATED
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs, needs_for_file
-from pointbrush.work.masks.classes import Classes
-from pointbrush.work.masks.service import Source
+
+if TYPE_CHECKING:
+    from pointbrush.work.masks.classes import Classes
 
 router = resource("masks")
 PNG = "image/png"
@@ -58,7 +59,7 @@ def put_mask(
         ),
     ] = None,
     source: Annotated[
-        Source, Query(description="origin of the mask; only `painted` changes painted points")
+        MaskSource, Query(description="origin of the mask; only `painted` changes painted points")
     ] = "imported",
     id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
 ) -> MaskEdit:
@@ -97,6 +98,8 @@ def get_mask(
     A PNG with an index and the colours of labels; 255 (transparent): no point is seen there.  If a
     label id is over 254: 16-bit grey, in which no point is 65535.
     """
+    from pointbrush.formats.cameras.mask_images import write_mask  # loads Pillow
+
     mask, revision = workspace.masks.mask_of(seq, i, camera)
     colors = {label.id: label.color for label in workspace.labels.palette(seq)}
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
@@ -107,7 +110,19 @@ def get_mask(
     return Response(npy.of_array(mask), media_type=npy.MEDIA_TYPE, headers=headers)
 
 
-def _mask(request: Request, body: bytearray, size: tuple[int, int]) -> Mask:
+@router.post(
+    "/sequences/{seq}/frames/{i}/masks/{camera}/predict", **needs("annotator", 404, 409, 503)
+)
+def predict_mask(
+    seq: SequenceId, i: FramePath, camera: CameraPath, body: MaskPrompt, workspace: Ws, who: Caller
+) -> MaskEdit:
+    """Label the points that a camera sees in the masks of a model; one edit of provenance 4."""
+    return workspace.masks.predict(seq, i, camera, body, author=who.author)
+
+
+def _mask(request: Request, body: bytearray, size: tuple[int, int]) -> NDArray[Any]:
+    from pointbrush.formats.cameras.mask_images import read_mask  # loads Pillow
+
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == npy.MEDIA_TYPE:
         return npy.parse_image(body, (np.dtype(np.uint8), np.dtype(np.uint16)), size)

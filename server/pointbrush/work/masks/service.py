@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Literal
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.cameras.mask_images import VOID_8_BIT
-from pointbrush.labels import Label, Write
+from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, Only
 from pointbrush.masks import LiftOptions, draw, lift
+from pointbrush.masks.models import MaskModels, Prompt
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.values.masks import VOID, MaskEdit
+from pointbrush.values.masks import VOID, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.masks.classes import Classes, chosen_labels
-from pointbrush.work.masks.views import lattice_pixels, size_of, view_of
+from pointbrush.work.masks.pictures import picture_of
+from pointbrush.work.masks.views import lattice_pixels, require_calibrated, size_of, view_of
 from pointbrush.work.part import Part
 
 Mask = NDArray[np.unsignedinteger]
-Source = Literal["imported", "predicted", "painted"]
-RULES: Mapping[Source, tuple[int, Only]] = {
+RULES: Mapping[str, tuple[int, Only]] = {
     "imported": (IMPORTED, "not_painted"),
     "predicted": (PREDICTED, "predictable"),
     "painted": (PAINTED, "any"),
@@ -62,6 +62,40 @@ def lifted(
 class Masks(Part):
     """Masks by camera and frame; a mask is an image (H, W) of whole numbers."""
 
+    def __init__(
+        self, store: LabelStore, recording: Callable[[str], Recording], models: MaskModels
+    ) -> None:
+        """``models``: those that find masks in pictures."""
+        super().__init__(store, recording)
+        self._models = models
+
+    def predict(
+        self, sequence: str, frame: int, camera: str, prompt: MaskPrompt, *, author: str
+    ) -> MaskEdit:
+        """Label the points seen in masks that a model finds in a picture, as one edit.
+
+        Raises NotFoundError (camera, nothing found), BadInputError (model, calibration),
+        UnavailableError (no answer of the model), LockedLabelError.
+        """
+        recording = self._recording(sequence)
+        require_calibrated(recording, frame, camera)
+        clicks = (np.reshape(each, (-1, 2)) for each in (prompt.positives, prompt.negatives))
+        positives, negatives = (np.asarray(each, np.float64) for each in clicks)
+        picture = picture_of(recording, frame, camera)
+        found = self._models.masks(prompt.model, Prompt(picture, positives, negatives, prompt.text))
+        if not found.mask.any():
+            raise NotFoundError(
+                f"model {prompt.model}: expected an object in the picture of {camera!r}, found none"
+            )
+        classes = {
+            value: name if prompt.label is None else prompt.label
+            for value, name in enumerate(found.names, 1)
+        }
+        return self.set_mask(
+            sequence, frame, {camera: found.mask}, classes,
+            author=author, edit=prompt.id, source="predicted",
+        )  # fmt: skip
+
     def set_mask(
         self,
         sequence: str,
@@ -71,7 +105,7 @@ class Masks(Part):
         *,
         author: str,
         edit: str | None = None,
-        source: Source = "imported",
+        source: MaskSource = "imported",
     ) -> MaskEdit:
         """Label the points seen in masks by camera, as one edit; several cameras vote.
 
@@ -168,6 +202,6 @@ def used_classes(masks: Mapping[str, Mask], classes: Classes | None) -> Classes:
     return meant
 
 
-def _cleared(source: Source) -> int:
+def _cleared(source: MaskSource) -> int:
     """Return the provenance of a point that a mask removes the label of."""
     return PAINTED if source == "painted" else 0

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.masks import View
+from pointbrush.masks.views import Lens
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
 from pointbrush.sequences.depth.lattice import Lattice
@@ -54,6 +55,14 @@ def view_of(recording: Recording, frame: int, camera: str) -> View:
     size_of(recording, frame, camera)
     (named,) = (each for each in recording.projections(frame) if each.name == camera)
     return View.of_camera(named, stored.xyz + np.asarray(recording.manifest.shift))
+
+
+def require_calibrated(recording: Recording, frame: int, camera: str) -> None:
+    """Raise NotFoundError or BadInputError unless points project into a camera's picture."""
+    size_of(recording, frame, camera)
+    for each in recording.projections(frame):
+        if each.name == camera:
+            Lens.of(each)
 
 
 def lattice_pixels(stored: StoredFrame) -> tuple[tuple[int, int], Pixels] | None:
