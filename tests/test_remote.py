@@ -112,6 +112,7 @@ COMMANDS = {
     "import-labels": "import-labels drift FILES",
     "track": "track drift --from 0 --to 1",
     "fit-boxes": "fit-boxes drift",
+    "find-people": "find-people drift",
     "example": "example",
     "export": "export drift --format npz --out OUT/export",
     "info": "info",

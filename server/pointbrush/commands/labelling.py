@@ -83,15 +83,15 @@ def find_people(given: argparse.Namespace, place: Place) -> Answer:
     frames = parse_frames(given.frames, len(recording.frames))
     if given.apply:
         result = finished(place, recording.start_find_people(frames))
-        line = f"found {result['people']} people, {result['changed']:,} points labelled"
-        return Answer(result, [line])
+        return Answer(result, [result["message"]])
     found = recording.find_people(frames)
     return Answer(found, [_person_line(each) for each in found.people] or ["no people found"])
 
 
 def _person_line(person: FoundPerson) -> str:
     points = sum(each.points for each in person.frames)
-    return f"{person.name}\t{len(person.frames)} frames\t{points:,} points"
+    frames = "1 frame" if len(person.frames) == 1 else f"{len(person.frames)} frames"
+    return f"{person.name}\t{frames}\t{points:,} points"
 
 
 def _labels_named(text: str | None, palette: Callable[[], Iterable[Label]]) -> list[int] | None:

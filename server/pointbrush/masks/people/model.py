@@ -16,6 +16,7 @@ from pointbrush.errors import BadInputError
 Floats = NDArray[np.float32]
 FILE = Path(__file__).parent / "models" / "selfie_segmentation.tflite"
 """Built with the page from the npm package @mediapipe/selfie_segmentation."""
+RUNTIME = "ai_edge_litert.interpreter"
 MISSING = (
     "people: expected the package ai-edge-litert, it is not installed; "
     "install it: pip install 'pointbrush[people]'"
@@ -29,27 +30,29 @@ class PersonModel:
     """
 
     def __init__(self) -> None:
-        self._network = _runtime().Interpreter(str(_file()), num_threads=1)
+        self._network = runtime().Interpreter(str(_file()), num_threads=1)
         self._network.allocate_tensors()
         (taken,), (given,) = self._network.get_input_details(), self._network.get_output_details()
         self._taken, self._given = taken["index"], given["index"]
         _, self.height, self.width, _ = map(int, taken["shape"])
 
     def probability(self, picture: NDArray[np.uint8]) -> Floats:
-        """Return the probability (h, w) that a pixel of a picture (h, w, 3) shows a person."""
-        height, width, _ = picture.shape
+        """Return the probability that a picture (h, w, 3) shows a person, by pixel.
+
+        The answer (height, width) covers the picture in the network's own size.
+        """
         size = self.width, self.height
-        small = Image.fromarray(picture).resize(size, Image.Resampling.BILINEAR)
-        self._network.set_tensor(self._taken, np.asarray(small, np.float32)[None] / 255)
+        fitting = Image.fromarray(picture).resize(size, Image.Resampling.BILINEAR)
+        self._network.set_tensor(self._taken, np.asarray(fitting)[None] * np.float32(1 / 255))
         self._network.invoke()
-        found = Image.fromarray(self._network.get_tensor(self._given)[0, :, :, 0])
-        return np.asarray(found.resize((width, height), Image.Resampling.BILINEAR))
+        return np.asarray(self._network.get_tensor(self._given)[0, :, :, 0])
 
 
 @cache
-def _runtime() -> Any:
+def runtime() -> Any:
+    """Return the module that runs networks; raises BadInputError if it is not installed."""
     try:
-        return importlib.import_module("ai_edge_litert.interpreter")
+        return importlib.import_module(RUNTIME)
     except ImportError:
         raise BadInputError(MISSING) from None
 

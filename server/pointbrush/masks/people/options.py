@@ -11,28 +11,59 @@ class PeopleOptions:
 
     columns: int = 256
     """Width of the pictures in which surfaces are found, pixels; larger ones are thinned."""
-    floor: float = 0.04
+    floor: float = 0.03
     """Height below which a point counts as floor."""
-    gap: float = 0.02
+    gap: float = 0.01
     gap_share: float = 0.01
     """Distance of neighbouring pixels of one surface: ``gap`` plus a share of their depth."""
-    least_pixels: int = 40
-    """Pixels of the smallest surface that is looked at."""
+    smallest: float = 0.015
+    """Least visible area of a surface, square metres."""
     widest: float = 1.6
     """Largest extent in the plan of a person."""
     tallest: float = 2.3
     """Largest height of a person."""
+    overhead: float = 2.0
+    """Height above which no surface of a person begins."""
     top: float = 1.0
     """Least height of a person's upper end above the floor, unless the picture cuts it."""
     shortest: float = 0.4
     """Least height of the visible part of a person."""
-    together: float = 0.25
-    """Largest gap in the plan between surfaces of one person."""
-    margin: float = 0.3
-    """Margin around a person in the picture for the model, as a share of the longer side."""
+    gap_between: float = 0.1
+    together: float = 0.45
+    """Largest gap and distance of the middles, in the plan, of surfaces of one person."""
+    body: float = 0.06
+    """Least visible area of the largest surface of a person, square metres."""
+    margins: tuple[float, ...] = (0.1, 0.3)
+    """Margins around a person in the pictures for the model, as shares of the longer side."""
     most_looked: int = 12
     """Number of places in a frame that the model looks at, the nearest first."""
-    sure: float = 0.6
-    """Least mean probability of a person."""
+    nobody: float = 0.1
+    somebody: float = 0.9
+    """Mean probabilities of the largest surface beyond which the model looks only once."""
+    sure: float = 0.4
+    """Least mean probability of a person of the usual shape."""
+    usual_top: float = 1.65
+    usual_width: float = 0.4
+    usual_area: float = 0.35
+    """Usual height of the upper end, width of the body, and visible area (square metres)."""
+    top_weight: float = 0.166
+    width_weight: float = 0.285
+    area_weight: float = 0.046
+    """Probability that a metre of height, a metre of width, and a factor e of area cost."""
     part: float = 0.4
     """Least mean probability of a surface of a person."""
+    moved: float = 0.15
+    resized: float = 0.6
+    """Largest step of a surface between frames, and least ratio of its areas, to be the same."""
+    new_share: float = 0.25
+    """Share of new surfaces in a group from which the model looks at it again."""
+    forgotten: int = 3
+    looked_again: int = 15
+    """Frames after which an unseen surface is forgotten, and a seen one looked at again."""
+    sole: float = 0.015
+    """Height below which nothing is added to feet."""
+    outline: int = 2
+    """Width of the outline that is added to a person, pixels."""
+    outline_gap: float = 0.03
+    outline_share: float = 0.01
+    """Distance of its pixels from the person: ``outline_gap`` plus a share of the depth."""

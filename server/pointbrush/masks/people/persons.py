@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import find_objects
 
+from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.picture import DepthPicture
-from pointbrush.masks.people.segments import connected_surfaces
+from pointbrush.masks.people.segments import Surface, connected_surfaces
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
+SAMPLE = 200
+"""Pixels by which the extent of a surface is measured."""
 Look = Callable[[NDArray[np.uint8]], Floats]
 """The model: a picture (h, w, 3) to the probability (h, w) of a person."""
 
@@ -27,96 +31,192 @@ class Person:
     score: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Surface:
-    """Pixels of a surface, by row and column, and its extent in the room, metres."""
+def find_persons(
+    picture: DepthPicture, look: Look, options: PeopleOptions, memory: Memory | None = None
+) -> list[Person]:
+    """Return the people in a picture, the nearest first.
 
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    low: Floats
-    high: Floats
-    depth: float
-
-
-def find_persons(picture: DepthPicture, look: Look, options: PeopleOptions) -> list[Person]:
-    """Return the people in a picture, the nearest first."""
+    ``memory``: of the frames before, in which the model does not look again at the same surfaces.
+    """
+    memory = memory or Memory(options)
+    memory.begin_frame()
     surfaces = _surfaces(picture, options)
     found = []
     for group in _groups(surfaces, options)[: options.most_looked]:
-        person = _person(picture, group, look, options)
+        person = _person(picture, group, look, options, memory)
         if person is not None:
             found.append(person)
     return found
 
 
-def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[_Surface]:
+def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[Surface]:
     """Return the surfaces that may belong to people, the nearest first."""
     kept = picture.seen & (picture.room[..., 1] > options.floor)
     gap = (options.gap + options.gap_share * picture.depth).astype(np.float32)
     number = connected_surfaces(picture.xyz, kept, gap)
-    counts = np.bincount(number[kept], minlength=1)
+    sizes = np.bincount(number.ravel(), ((picture.depth * picture.pitch) ** 2).ravel())
     found = []
-    for each, place in enumerate(find_objects(number + 1)):
-        if counts[each] < options.least_pixels or place is None:
+    for each, place in enumerate(find_objects(number), 1):
+        if sizes[each] < options.smallest:
             continue
         rows, columns = np.nonzero(number[place] == each)
         rows, columns = rows + place[0].start, columns + place[1].start
-        room = picture.room[rows, columns]
-        low, high = np.quantile(room, (0.01, 0.99), axis=0).astype(np.float32)
-        size = high - low
-        if max(size[0], size[2]) <= options.widest and size[1] <= options.tallest:
-            depth = float(np.median(picture.depth[rows, columns]))
-            found.append(_Surface(rows, columns, low, high, depth))
+        surface = _surface(picture, rows, columns)
+        width, height, length = (b - a for a, b in zip(surface.low, surface.high, strict=True))
+        wide = max(width, length) > options.widest
+        if not wide and surface.low[1] < options.overhead and height <= options.tallest:
+            found.append(surface)
     return sorted(found, key=lambda surface: surface.depth)
 
 
-def _groups(surfaces: list[_Surface], options: PeopleOptions) -> list[list[_Surface]]:
+def _surface(
+    picture: DepthPicture, rows: NDArray[np.int64], columns: NDArray[np.int64]
+) -> Surface:
+    some = slice(None, None, max(1, len(rows) // SAMPLE))
+    room = picture.room[rows[some], columns[some]]
+    ordered, last = np.sort(room, axis=0), len(room) - 1
+    low, middle, high = ordered[[last // 100, last // 2, last - last // 100]].tolist()
+    depth = float(picture.depth[rows[some], columns[some]].mean())
+    area = len(rows) * (depth * picture.pitch) ** 2
+    return Surface(rows, columns, low, high, middle, depth, area)
+
+
+def _groups(surfaces: list[Surface], options: PeopleOptions) -> list[list[Surface]]:
     """Return surfaces that stand at one place, the largest of each first."""
     left = sorted(surfaces, key=lambda surface: -len(surface.rows))
-    groups: list[list[_Surface]] = []
+    groups: list[list[Surface]] = []
     for surface in left:
         for group in groups:
-            if _apart(group[0], surface) <= options.together:
+            if _is_one(group[0], surface, options):
                 group.append(surface)
                 break
         else:
-            groups.append([surface])
+            if surface.area >= options.body:
+                groups.append([surface])
     return groups
 
 
-def _apart(one: _Surface, other: _Surface) -> float:
-    """Return the gap between two surfaces in the plan."""
-    gaps = np.maximum(one.low, other.low) - np.minimum(one.high, other.high)
-    return float(np.hypot(*np.maximum(gaps[[0, 2]], 0.0)))
+def _is_one(body: Surface, other: Surface, options: PeopleOptions) -> bool:
+    """Return whether a surface stands where a larger one stands."""
+    apart = math.hypot(body.middle[0] - other.middle[0], body.middle[2] - other.middle[2])
+    if apart > options.together:
+        return False
+    gaps = [
+        max(0.0, body.low[k] - other.high[k], other.low[k] - body.high[k]) for k in (0, 2)
+    ]
+    return math.hypot(*gaps) <= options.gap_between
 
 
 def _person(
-    picture: DepthPicture, group: list[_Surface], look: Look, options: PeopleOptions
+    picture: DepthPicture, group: list[Surface], look: Look, options: PeopleOptions, memory: Memory
 ) -> Person | None:
-    rows, columns = (np.concatenate([getattr(s, n) for s in group]) for n in ("rows", "columns"))
-    top = max(surface.high[1] for surface in group)
-    low = min(surface.low[1] for surface in group)
-    if top - low < options.shortest or (top < options.top and rows.min() > 0):
+    """Return the person that a group of surfaces is, None for other things."""
+    if not _is_tall(group, options):
         return None
-    place = _around(rows, columns, picture.seen.shape, options.margin)
-    chance = np.zeros(picture.seen.shape, np.float32)
-    chance[place] = look(picture.rgb[place])
+    chance = memory.recall(group)
+    if chance is None:
+        chance = _chances(picture, group, look, options)
+        memory.remember(group, chance)
+    counts = np.array([len(surface.rows) for surface in group])
+    mean = float(chance @ counts / counts.sum())
+    parts = [each for each, part in zip(group, chance, strict=True) if part >= options.part]
+    if mean - _unusual(group, options) < options.sure or not _is_tall(parts, options):
+        return None
     mask = np.zeros(picture.seen.shape, np.bool_)
-    for surface in group:
-        if chance[surface.rows, surface.columns].mean() >= options.part:
-            mask[surface.rows, surface.columns] = True
-    score = float(chance[mask].mean()) if mask.any() else 0.0
-    return Person(mask, score) if score >= options.sure else None
+    for part in parts:
+        mask[part.rows, part.columns] = True
+    return Person(_grown(mask, picture, options), mean)
+
+
+def _is_tall(group: list[Surface], options: PeopleOptions) -> bool:
+    """Return whether surfaces reach as high as people, as far as the picture shows."""
+    if not group:
+        return False
+    top, low = max(each.high[1] for each in group), min(each.low[1] for each in group)
+    return top - low >= options.shortest and (top >= options.top or _is_cut(group))
+
+
+def _is_cut(group: list[Surface]) -> bool:
+    """Return whether the upper edge of the picture cuts a group."""
+    return min(int(each.rows.min()) for each in group) == 0
+
+
+def _unusual(group: list[Surface], options: PeopleOptions) -> float:
+    """Return the probability that the shape of a group costs, compared with a usual person."""
+    body = group[0]
+    width = max(body.high[0] - body.low[0], body.high[2] - body.low[2]) - options.usual_width
+    above = max(each.high[1] for each in group) - options.usual_top
+    small = math.log(options.usual_area / sum(each.area for each in group))
+    return (
+        (0.0 if _is_cut(group) else options.top_weight * abs(above))
+        + options.width_weight * width
+        + options.area_weight * small
+    )
+
+
+def _grown(mask: Mask, picture: DepthPicture, options: PeopleOptions) -> Mask:
+    """Return a mask (h, w) with the pixels at its outline that are near it in space."""
+    gap = options.outline_gap + options.outline_share * picture.depth
+    free = picture.seen & (picture.room[..., 1] > options.sole)
+    for _ in range(options.outline):
+        grown = mask.copy()
+        for axis in (0, 1):
+            for step in (1, -1):
+                from_mask = np.roll(mask, step, axis)
+                apart = np.abs(picture.depth - np.roll(picture.depth, step, axis))
+                grown |= from_mask & free & (apart <= gap)
+        mask = grown
+    return mask
+
+
+def _chances(
+    picture: DepthPicture, group: list[Surface], look: Look, options: PeopleOptions
+) -> NDArray[np.float64]:
+    """Return the mean probability (n,) of the surfaces of a group.
+
+    The model looks with a small and with a large margin; once, if it is sure.
+    """
+    looks: list[list[float]] = []
+    for margin in options.margins:
+        looks.append(_look(picture, group, look, margin))
+        if not options.nobody <= looks[0][0] <= options.somebody:
+            break
+    return np.mean(looks, axis=0)
+
+
+def _look(
+    picture: DepthPicture, group: list[Surface], look: Look, margin: float
+) -> list[float]:
+    """Return the mean probability of each surface of a group, in one picture around them."""
+    rows, columns = _around(group, picture.seen.shape, margin)
+    seen = look(picture.rgb[rows, columns])
+    down = seen.shape[0] / (rows.stop - rows.start)
+    right = seen.shape[1] / (columns.stop - columns.start)
+    return [
+        float(
+            seen[
+                ((surface.rows - rows.start + 0.5) * down).astype(np.intp),
+                ((surface.columns - columns.start + 0.5) * right).astype(np.intp),
+            ].mean()
+        )
+        for surface in group
+    ]
 
 
 def _around(
-    rows: NDArray[np.int64], columns: NDArray[np.int64], shape: tuple[int, ...], margin: float
+    group: list[Surface], shape: tuple[int, ...], margin: float
 ) -> tuple[slice, slice]:
-    """Return the square part of a picture around pixels, as far as the picture goes."""
-    spans = [(int(each.min()), int(each.max()) + 1) for each in (rows, columns)]
+    """Return the square part of a picture around surfaces, as far as the picture goes."""
+    spans = [
+        (int(min(each.min() for each in ends)), int(max(each.max() for each in ends)) + 1)
+        for ends in ([s.rows for s in group], [s.columns for s in group])
+    ]
     half = max(stop - start for start, stop in spans) * (1 + margin) / 2
     ends = [
-        slice(max(0, round((start + stop) / 2 - half)), min(size, round((start + stop) / 2 + half)))
+        slice(
+            max(0, min(start, round((start + stop) / 2 - half))),
+            min(size, max(stop, round((start + stop) / 2 + half))),
+        )
         for (start, stop), size in zip(spans, shape, strict=True)
     ]
     return ends[0], ends[1]

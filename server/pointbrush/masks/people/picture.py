@@ -17,7 +17,7 @@ class DepthPicture:
 
     ``rgb`` (h, w, 3) without holes; ``seen`` (h, w) pixels with a point; ``xyz`` (h, w, 3) local
     metres, 0 without a point; ``depth`` (h, w) distance from the sensor; ``room`` (h, w, 3) room
-    coordinates, y up from the floor.
+    coordinates, y up from the floor; ``pitch`` width of a pixel at a depth of 1 m, metres.
     """
 
     rgb: NDArray[np.uint8]
@@ -25,16 +25,18 @@ class DepthPicture:
     xyz: Floats
     depth: Floats
     room: Floats
+    pitch: float
     step: int
 
 
 def depth_picture(
     number: NDArray[np.int32], xyz: Floats, rgb: NDArray[np.uint8], eye: NDArray[np.float64],
-    T_room_local: NDArray[np.float64], columns: int,
+    T_room_local: NDArray[np.float64], pitch: float, columns: int,
 ) -> DepthPicture:  # fmt: skip
     """Return the picture of points (N, 3) with colours (N, 3), seen from ``eye`` (3,).
 
-    ``number`` (H, W) is the point of each pixel, -1 without one; ``columns``: about its width.
+    ``number`` (H, W) is the point of each pixel, -1 without one; ``pitch``: width of a pixel
+    at a depth of 1 m; ``columns``: about the width of the picture.
     """
     step = max(1, round(number.shape[1] / columns))
     thinned = number[::step, ::step]
@@ -44,7 +46,7 @@ def depth_picture(
     depth = np.linalg.norm(places - eye.astype(np.float32), axis=2)
     T = T_room_local.astype(np.float32)
     room = places @ T[:3, :3].T + T[:3, 3]
-    return DepthPicture(filled(rgb[point], seen), seen, places, depth, room, step)
+    return DepthPicture(filled(rgb[point], seen), seen, places, depth, room, pitch * step, step)
 
 
 def filled(rgb: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
@@ -70,13 +72,17 @@ def points_of(
     part = number[top:stop, left:end]
     row, column = np.nonzero(part >= 0)
     point = part[row, column]
-    row, column = row + top, column + left
-    nearest, inside = np.full(len(point), np.inf, np.float32), np.zeros(len(point), np.bool_)
-    for down in (0, 1):
-        for right in (0, 1):
-            r = np.minimum(row // step + down, tall - 1)
-            c = np.minimum(column // step + right, wide - 1)
-            apart = np.linalg.norm(xyz[point] - picture.xyz[r, c], axis=1)
-            closer = picture.seen[r, c] & (apart < nearest)
-            nearest[closer], inside[closer] = apart[closer], mask[r, c][closer]
-    return np.sort(point[inside]).astype(np.int64)
+    row, column = (row + top) // step, (column + left) // step
+    below, beside = np.minimum(row + 1, tall - 1), np.minimum(column + 1, wide - 1)
+    around = [(row, column), (row, beside), (below, column), (below, beside)]
+    votes = sum(mask[place].astype(np.int8) for place in around)
+    edge = np.flatnonzero((votes > 0) & (votes < len(around)))
+    nearest, inside = np.full(len(edge), np.inf, np.float32), np.zeros(len(edge), np.bool_)
+    for rows, columns in around:
+        place = rows[edge], columns[edge]
+        step_to = xyz[point[edge]] - picture.xyz[place]
+        apart = np.einsum("ij,ij->i", step_to, step_to)
+        closer = picture.seen[place] & (apart < nearest)
+        nearest[closer], inside[closer] = apart[closer], mask[place][closer]
+    found = np.concatenate([point[votes == len(around)], point[edge[inside]]])
+    return np.sort(found).astype(np.int64)

@@ -1,6 +1,8 @@
-"""Surfaces of a depth picture that hang together, at several tolerances."""
+"""Surfaces of a depth picture that hang together."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,30 +11,55 @@ from scipy.sparse.csgraph import connected_components
 
 Floats = NDArray[np.float32]
 Numbers = NDArray[np.int32]
+Place = list[float]
+"""Room coordinates (3,), metres, y up."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Pixels of a surface, by row and column, and its extent in the room, metres.
+
+    ``area`` that the sensor sees, square metres.
+    """
+
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    low: Place
+    high: Place
+    middle: Place
+    depth: float
+    area: float
 
 
 def connected_surfaces(xyz: Floats, kept: NDArray[np.bool_], gap: Floats) -> Numbers:
-    """Return the surface (h, w) of each kept pixel, from 0; -1 for others.
+    """Return the surface (h, w) of each kept pixel, from 1; 0 for others.
 
     Neighbours are of one surface if they are at most ``gap`` (h, w) metres apart.
     """
-    height, width = kept.shape
-    number = np.arange(height * width, dtype=np.int32).reshape(height, width)
-    ends = [_joined(xyz, kept, gap, number, axis) for axis in (0, 1)]
-    one, other = (np.concatenate([pair[k] for pair in ends]) for k in (0, 1))
-    links = coo_array((np.ones(len(one), np.int8), (one, other)), (kept.size, kept.size))
+    beside = _joined(xyz, kept, gap, (slice(None), slice(1, None)), (slice(None), slice(None, -1)))
+    below = _joined(xyz, kept, gap, (slice(1, None), slice(None)), (slice(None, -1), slice(None)))
+    # Joined pixels of a row are one run: there are far fewer runs than pixels.
+    starts = np.ones(kept.shape, np.bool_)
+    starts[:, 1:] = ~beside
+    run = (np.cumsum(starts.ravel()) - 1).reshape(kept.shape).astype(np.int32)
+    upper, lower = run[:-1][below], run[1:][below]
+    fresh = np.ones(len(upper), np.bool_)
+    fresh[1:] = (upper[1:] != upper[:-1]) | (lower[1:] != lower[:-1])
+    ends = upper[fresh], lower[fresh]
+    count = int(run[-1, -1]) + 1
+    links = coo_array((np.ones(len(ends[0]), np.int8), ends), (count, count))
     _, found = connected_components(links, directed=False)
-    surface = np.full(kept.size, -1, np.int32)
-    inside = np.flatnonzero(kept.ravel())
-    surface[inside] = np.unique(found[inside], return_inverse=True)[1]
-    return surface.reshape(height, width)
+    surface = np.where(kept, found[run] + 1, 0)
+    used = np.bincount(surface.ravel()) > 0
+    used[0] = False
+    return np.asarray((np.cumsum(used) * used)[surface], np.int32)
 
 
 def _joined(
-    xyz: Floats, kept: NDArray[np.bool_], gap: Floats, number: Numbers, axis: int
-) -> tuple[Numbers, Numbers]:
-    before = (slice(None, -1), slice(None)) if axis == 0 else (slice(None), slice(None, -1))
-    after = (slice(1, None), slice(None)) if axis == 0 else (slice(None), slice(1, None))
-    apart = np.linalg.norm(xyz[after] - xyz[before], axis=2)
-    joined = kept[before] & kept[after] & (apart <= np.minimum(gap[before], gap[after]))
-    return number[before][joined], number[after][joined]
+    xyz: Floats, kept: NDArray[np.bool_], gap: Floats, one: tuple[slice, slice],
+    other: tuple[slice, slice],
+) -> NDArray[np.bool_]:  # fmt: skip
+    step = xyz[one] - xyz[other]
+    apart = np.einsum("ijk,ijk->ij", step, step)
+    least = np.minimum(gap[one], gap[other])
+    return np.asarray(kept[one] & kept[other] & (apart <= least * least))

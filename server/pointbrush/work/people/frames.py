@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.model import PersonModel
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.persons import find_persons
@@ -37,9 +38,12 @@ def has_pictures(recording: Recording, frame: int) -> bool:
 
 
 def people_in(
-    recording: Recording, frame: int, model: PersonModel, options: PeopleOptions
+    recording: Recording, frame: int, model: PersonModel, options: PeopleOptions, memory: Memory
 ) -> list[Seen]:
-    """Return the people in a frame, the nearest first; none in a frame without a picture."""
+    """Return the people in a frame, the nearest first; none in a frame without a picture.
+
+    ``memory``: of the frames that were searched before.
+    """
     stored = recording[frame]
     if stored.rgb is None or stored.lattice is None:
         return []
@@ -47,10 +51,10 @@ def people_in(
     if found is None:
         return []
     T = recording.manifest.T_room_local
-    eye = np.asarray(stored.lattice.eye)
-    picture = depth_picture(found.number, stored.xyz, stored.rgb, eye, T, options.columns)
+    eye, pitch = np.asarray(stored.lattice.eye), abs(stored.lattice.pitch[0])
+    picture = depth_picture(found.number, stored.xyz, stored.rgb, eye, T, pitch, options.columns)
     people = []
-    for person in find_persons(picture, model.probability, options):
+    for person in find_persons(picture, model.probability, options, memory):
         numbers = points_of(person.mask, picture, found.number, stored.xyz)
         place = np.median(picture.room[person.mask], axis=0).astype(np.float64)
         depth = float(np.median(picture.depth[person.mask]))

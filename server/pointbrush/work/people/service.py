@@ -19,6 +19,7 @@ from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import PREDICTED
 from pointbrush.lazy import once
+from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.model import PersonModel
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.ranges import runs_of
@@ -47,8 +48,9 @@ class SearchingWork:
     def __call__(self, channel: Channel) -> None:
         """Search frame by frame."""
         recording, model = open_sequence(self.files), PersonModel()
+        memory = Memory(self.options)
         for number, frame in enumerate(self.frames, 1):
-            channel.item(people_in(recording, frame, model, self.options))
+            channel.item(people_in(recording, frame, model, self.options, memory))
             channel.progress(number / len(self.frames), f"frame {frame}")
 
 
@@ -92,8 +94,11 @@ class People(EditService[PeopleRequest]):
             raise BadInputError(
                 f"frames: expected at most {MOST_SHOWN} without apply, got {len(wanted)}"
             )
+        memory = Memory(self.options)
         with self._lock:
-            found = [people_in(recording, each, self._model, self.options) for each in wanted]
+            found = [
+                people_in(recording, each, self._model, self.options, memory) for each in wanted
+            ]
         palette = self._store.palette(sequence)
         people = _named(self._store, sequence, found, palette)
         category = people[0].label.category if people else ""
