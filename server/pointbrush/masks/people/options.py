@@ -13,7 +13,7 @@ class PeopleOptions:
     """Width of the pictures in which surfaces are found, pixels; larger ones are thinned."""
     floor: float = 0.03
     """Height below which a point counts as floor."""
-    gap: float = 0.01
+    gap: float = 0.015
     gap_share: float = 0.01
     """Distance of neighbouring pixels of one surface: ``gap`` plus a share of their depth."""
     smallest: float = 0.015
@@ -28,7 +28,7 @@ class PeopleOptions:
     """Least height of a person's upper end above the floor, unless the picture cuts it."""
     shortest: float = 0.4
     """Least height of the visible part of a person."""
-    gap_between: float = 0.1
+    gap_between: float = 0.15
     together: float = 0.45
     """Largest gap and distance of the middles, in the plan, of surfaces of one person."""
     body: float = 0.06
@@ -62,7 +62,7 @@ class PeopleOptions:
     """Frames after which an unseen surface is forgotten, and a seen one looked at again."""
     sole: float = 0.015
     """Height below which nothing is added to feet."""
-    outline: int = 2
+    outline: int = 1
     """Width of the outline that is added to a person, pixels."""
     outline_gap: float = 0.03
     outline_share: float = 0.01

@@ -69,9 +69,7 @@ def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[Surface]:
     return sorted(found, key=lambda surface: surface.depth)
 
 
-def _surface(
-    picture: DepthPicture, rows: NDArray[np.int64], columns: NDArray[np.int64]
-) -> Surface:
+def _surface(picture: DepthPicture, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Surface:
     some = slice(None, None, max(1, len(rows) // SAMPLE))
     room = picture.room[rows[some], columns[some]]
     ordered, last = np.sort(room, axis=0), len(room) - 1
@@ -101,9 +99,7 @@ def _is_one(body: Surface, other: Surface, options: PeopleOptions) -> bool:
     apart = math.hypot(body.middle[0] - other.middle[0], body.middle[2] - other.middle[2])
     if apart > options.together:
         return False
-    gaps = [
-        max(0.0, body.low[k] - other.high[k], other.low[k] - body.high[k]) for k in (0, 2)
-    ]
+    gaps = [max(0.0, body.low[k] - other.high[k], other.low[k] - body.high[k]) for k in (0, 2)]
     return math.hypot(*gaps) <= options.gap_between
 
 
@@ -111,7 +107,7 @@ def _person(
     picture: DepthPicture, group: list[Surface], look: Look, options: PeopleOptions, memory: Memory
 ) -> Person | None:
     """Return the person that a group of surfaces is, None for other things."""
-    if not _is_tall(group, options):
+    if max(surface.high[1] for surface in group) < options.top and not _is_cut(group):
         return None
     chance = memory.recall(group)
     if chance is None:
@@ -120,7 +116,7 @@ def _person(
     counts = np.array([len(surface.rows) for surface in group])
     mean = float(chance @ counts / counts.sum())
     parts = [each for each, part in zip(group, chance, strict=True) if part >= options.part]
-    if mean - _unusual(group, options) < options.sure or not _is_tall(parts, options):
+    if mean - _unusual(group, options) < options.sure or not _has_size(parts, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
     for part in parts:
@@ -128,12 +124,14 @@ def _person(
     return Person(_grown(mask, picture, options), mean)
 
 
-def _is_tall(group: list[Surface], options: PeopleOptions) -> bool:
-    """Return whether surfaces reach as high as people, as far as the picture shows."""
+def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
+    """Return whether surfaces have a person's size together, as far as the picture shows."""
     if not group:
         return False
-    top, low = max(each.high[1] for each in group), min(each.low[1] for each in group)
-    return top - low >= options.shortest and (top >= options.top or _is_cut(group))
+    low, high = (np.array([getattr(each, end) for each in group]) for end in ("low", "high"))
+    width, height, length = high.max(axis=0) - low.min(axis=0)
+    top = high[:, 1].max() >= options.top or _is_cut(group)
+    return bool(height >= options.shortest and top and max(width, length) <= options.widest)
 
 
 def _is_cut(group: list[Surface]) -> bool:
@@ -184,9 +182,7 @@ def _chances(
     return np.mean(looks, axis=0)
 
 
-def _look(
-    picture: DepthPicture, group: list[Surface], look: Look, margin: float
-) -> list[float]:
+def _look(picture: DepthPicture, group: list[Surface], look: Look, margin: float) -> list[float]:
     """Return the mean probability of each surface of a group, in one picture around them."""
     rows, columns = _around(group, picture.seen.shape, margin)
     seen = look(picture.rgb[rows, columns])
@@ -203,9 +199,7 @@ def _look(
     ]
 
 
-def _around(
-    group: list[Surface], shape: tuple[int, ...], margin: float
-) -> tuple[slice, slice]:
+def _around(group: list[Surface], shape: tuple[int, ...], margin: float) -> tuple[slice, slice]:
     """Return the square part of a picture around surfaces, as far as the picture goes."""
     spans = [
         (int(min(each.min() for each in ends)), int(max(each.max() for each in ends)) + 1)
