@@ -13,7 +13,8 @@ from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.persons import find_persons
 from pointbrush.masks.people.picture import depth_picture, points_of
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences.depth.projection import find
+from pointbrush.sequences import StoredFrame
+from pointbrush.work.masks.views import LATTICE, camera_names, lattice_pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +35,7 @@ class Seen:
 def has_pictures(recording: Recording, frame: int) -> bool:
     """Return whether people can be searched in a frame."""
     stored = recording[frame]
-    return stored.rgb is not None and stored.lattice is not None
+    return stored.rgb is not None and LATTICE in camera_names(recording, frame)
 
 
 def people_in(
@@ -45,18 +46,27 @@ def people_in(
     ``memory``: of the frames that were searched before.
     """
     stored = recording[frame]
-    if stored.rgb is None or stored.lattice is None:
+    found = None if stored.rgb is None else lattice_pixels(stored)
+    if found is None or stored.rgb is None:
         return []
-    found = find(stored.lattice, stored.xyz)
-    if found is None:
-        return []
+    (width, height), pixel = found
+    number = np.full(width * height, -1, np.int32)
+    number[pixel] = np.arange(stored.count)
+    number = number.reshape(height, width)
+    eye = np.zeros(3) if stored.viewpoint is None else stored.viewpoint
     T = recording.manifest.T_room_local
-    eye, pitch = np.asarray(stored.lattice.eye), abs(stored.lattice.pitch[0])
-    picture = depth_picture(found.number, stored.xyz, stored.rgb, eye, T, pitch, options.columns)
+    picture = depth_picture(number, stored.xyz, stored.rgb, eye, T, _pitch(stored), options.columns)
     people = []
     for person in find_persons(picture, model.probability, options, memory):
-        numbers = points_of(person.mask, picture, found.number, stored.xyz)
+        numbers = points_of(person.mask, picture, number, stored.xyz)
         place = np.median(picture.room[person.mask], axis=0).astype(np.float64)
         depth = float(np.median(picture.depth[person.mask]))
         people.append(Seen(frame, numbers, person.score, place, depth))
     return people
+
+
+def _pitch(stored: StoredFrame) -> float:
+    """Return the width of a pixel of the depth camera at a depth of 1 m, metres."""
+    if stored.camera is not None:
+        return 1 / stored.camera.fx
+    return 0.0 if stored.lattice is None else abs(stored.lattice.pitch[0])
