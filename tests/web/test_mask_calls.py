@@ -135,6 +135,11 @@ def test_label_id_over_254_makes_mask_16_bit(served: Served, kinect: Recording) 
     url = f"{served.url}/api/v1/sequences/kinect/frames/0/masks/depth"
     answer = httpx.get(url, headers=served.headers)
     assert np.array_equal(np.asarray(Image.open(io.BytesIO(answer.content))), mask)
+    kinect.update_label(300, color="#102030")
+    answer = httpx.get(url, params={"format": "picture"}, headers=served.headers)
+    shown = np.asarray(Image.open(io.BytesIO(answer.content)))
+    assert (shown[mask == 300] == [16, 32, 48, 255]).all()
+    assert not shown[mask == 0, 3].any()
 
 
 def test_wrong_masks_are_refused_in_words(kinect: Recording) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from pointbrush.values.masks import VOID
 
 VOID_8_BIT = 255
 """VOID in an image of 8 bits, as in Pascal VOC and Cityscapes."""
+FASTEST = 1
+"""Level of compression of masks that are drawn again after each edit."""
 MODES = {"1": np.uint8, "L": np.uint8, "P": np.uint8, "I;16": np.uint16, "I;16B": np.uint16}
 """Types of the values of PNG files, by Pillow's name of their mode."""
 
@@ -59,4 +62,14 @@ def write_mask(mask: NDArray[np.uint16], colors: dict[int, str]) -> bytes:
         table[value] = list(bytes.fromhex(color[1:]))
     image.putpalette(table.tobytes())
     image.save(out, "PNG", transparency=bytes([255] * VOID_8_BIT + [0]))
+    return out.getvalue()
+
+
+def draw_mask(mask: NDArray[np.uint16], colors: Mapping[int, str]) -> bytes:
+    """Return a mask (H, W) as PNG to lay over the picture: only values with a colour are seen."""
+    table = np.zeros((1 << 16, 4), np.uint8)
+    for value, color in colors.items():
+        table[value] = [*bytes.fromhex(color[1:]), 255]
+    out = io.BytesIO()
+    Image.fromarray(table[mask], "RGBA").save(out, "PNG", compress_level=FASTEST)
     return out.getvalue()

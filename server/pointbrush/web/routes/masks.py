@@ -10,6 +10,13 @@ from fastapi import Depends, Header, Path, Query, Request, Response
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats.cameras.mask_images import (
+    MOST_BYTES,
+    Mask,
+    draw_mask,
+    read_mask,
+    write_mask,
+)
 from pointbrush.streaming.messages import Uuid
 from pointbrush.values.masks import MOST_BYTES, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.web import npy
@@ -87,7 +94,11 @@ def get_mask(
     camera: CameraPath,
     workspace: Ws,
     format: Annotated[
-        Literal["png", "npy"], Query(description="`npy`: uint16, in which no point is 65535")
+        Literal["png", "npy", "picture"],
+        Query(
+            description="`npy`: uint16, in which no point is 65535; `picture`: PNG of the labels "
+            "that are shown, transparent elsewhere"
+        ),
     ] = "png",
     if_none_match: Annotated[
         str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
@@ -105,6 +116,9 @@ def get_mask(
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
+    if format == "picture":
+        shown = {label.id: label.color for label in workspace.labels.palette(seq) if label.visible}
+        return Response(draw_mask(mask, shown), media_type=PNG, headers=headers)
     if format == "png":
         return Response(write_mask(mask, colors), media_type=PNG, headers=headers)
     return Response(npy.of_array(mask), media_type=npy.MEDIA_TYPE, headers=headers)
