@@ -7,6 +7,7 @@ import { installDesk } from './desktop/desk';
 import { CommandPalette } from './desktop/command-palette';
 import { Help } from './desktop/help';
 import { Engine } from './engine/engine';
+import { PeoplePreview } from './engine/find-people';
 import { installHook } from './engine/hook';
 import { followOwnKeys } from './engine/people/own-keys';
 import { ExampleBar, ExampleButton } from './example/bar';
@@ -65,6 +66,7 @@ export function startPage(early: Early): void {
     followWork();
     bindActions({ recordings: { nextTask: begin } });
     new Predicting(engine);
+    new PeoplePreview(engine);
     new Compared(engine);
     new Flight(engine);
     const { installHeadset, leadFirstMinute } = await import('./xr/index');

@@ -6,6 +6,7 @@ import type { Shown } from '../store/types';
 import { watch } from '../store/watch';
 import type { Engine } from '../engine/engine';
 import { leaveBox } from '../boxes/changes';
+import { leavePeople } from '../engine/find-people';
 import { clip } from '../tools/clip';
 import { AheadPreview } from '../tools/preview';
 import { seenIn } from '../tools/seen';
@@ -94,7 +95,8 @@ class Desk {
       tools: {
         aimAtMiddle: () => pointer.aimAtMiddle(),
         useInMiddle: () => pointer.useInMiddle(),
-        cancelStroke: () => pointer.cancel() || objects.end() || leaveBox(),
+        cancelStroke: () =>
+          pointer.cancel() || leavePeople() || objects.end() || leaveBox(),
         closeOutline: () => pointer.closeOutline(),
         takeBackCorner: () => pointer.takeBackCorner(),
         snapBox: () => pointer.snapBox(),

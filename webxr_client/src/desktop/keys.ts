@@ -8,6 +8,7 @@ import {
   turnRound,
 } from '../boxes/changes';
 import { answerDoubt, answerNth, exampleOpen, question, showNatural, skipDoubt, takeBackAnswer } from '../example/store'; // prettier-ignore
+import { findPeople, peopleOffer } from '../engine/find-people';
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
 import { canEdit, isStroke, state, type BrushShape } from '../store/state';
@@ -43,6 +44,14 @@ function chooseShape(shape: BrushShape): void {
   const isChosen = shape === 'lasso' && state.brush.peek().shape === shape;
   if (isChosen && isStroke(state.tool.peek())) nextOutlineKind();
   else actions.tools.setShape(shape);
+}
+
+/** Do the next step with found people; false when there is none. */
+function takeNextStep(): boolean {
+  const main = peopleOffer.peek()?.main;
+  if (!main || main.disabled) return false;
+  main.run();
+  return true;
 }
 
 /** A command with a key, or with several. */
@@ -100,7 +109,7 @@ const TOOLS = [
   key(
     'enter',
     'Close the polygon, take the points in the box, or answer with the likelier class',
-    () => tools.closeOutline() || answerDoubt(question.peek()?.classes[0]),
+    () => tools.closeOutline() || takeNextStep() || answerDoubt(question.peek()?.classes[0]),
   ),
   key(';', 'By example: next doubt', () => skipDoubt()),
   key('`', 'By example: natural colours while it is held', () => showNatural(true), {
@@ -126,6 +135,9 @@ const TOOLS = [
   ),
   held(['+', '='], 'Object: towards the group', () => tools.stepObject(1)),
   held('-', 'Object: towards the part', () => tools.stepObject(-1)),
+  key('shift+h', 'Find people in this frame', () => findPeople(), {
+    when: () => canEdit.peek() && state.sequence.peek() !== null,
+  }),
   key('shift+x', 'Restore deleted points', () => tools.setTool('restore')),
   key('x', 'Delete noise', () => tools.setTool('delete')),
   key('i', 'Pick a label', () => tools.setTool('pick')),

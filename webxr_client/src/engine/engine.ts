@@ -203,7 +203,7 @@ export class Engine {
       );
       this.viewer.invalidate();
     });
-    follow(() => this.viewer.setOutlined((state.object.value?.levels ?? 0) > 0));
+    follow(() => this.viewer.setOutlined('object', (state.object.value?.levels ?? 0) > 0));
     follow(() => this.viewer.palette.setPreview(active.value?.color ?? '#ffffff'));
     watch([state.brush, state.activeLabel, state.frame, state.sequence], () => {
       this.objects.end();

@@ -1,9 +1,11 @@
 /** The second row: how the tool takes points; beside it, how the recording is shown. */
 import { signal } from '@preact/signals';
 import { actions } from '../store/actions';
+import { findPeople } from '../engine/find-people';
 import { floorPlaces } from '../engine/floor';
 import {
   activeLabel,
+  canEdit,
   isStroke,
   patch,
   RADIUS_MAX,
@@ -139,6 +141,15 @@ function BrushOptions() {
           tip="Also take points with another label"
           checked={brush.takeLabelled}
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
+        />
+      )}
+      {way.name === 'object' && (
+        <Button
+          icon="people"
+          label="Find people"
+          tip="Find people in this frame by its colours, without a click"
+          disabled={!canEdit.value}
+          onClick={() => void findPeople()}
         />
       )}
       {state.tool.value === 'paint' && <AfterStroke path={way.samples === 'path'} />}

@@ -49,7 +49,15 @@ export function runsOf(numbers: Uint32Array): Uint8Array<ArrayBuffer> {
 
 /** Point numbers from runs (first number and length, uint32 each). */
 export function numbersOf(bytes: Uint8Array): Uint32Array {
-  const runs = new Uint32Array(bytes.slice().buffer);
+  return expanded(new Uint32Array(bytes.slice().buffer));
+}
+
+/** The same from a REST answer, which has a pair of numbers for each run. */
+export function numbersOfRuns(runs: readonly (readonly number[])[]): Uint32Array {
+  return expanded(Uint32Array.from(runs.flat()));
+}
+
+function expanded(runs: Uint32Array): Uint32Array {
   let count = 0;
   for (let i = 1; i < runs.length; i += 2) count += runs[i]!;
   const numbers = new Uint32Array(count);

@@ -380,6 +380,28 @@ export interface FittedBoxes {
   readonly skipped: Readonly<Record<string, string>>;
 }
 
+/** People in the searched frames; no label was changed. */
+export interface FoundPeople {
+  /** Class of their labels. */
+  readonly category: string;
+  /** Number of searched frames. */
+  readonly searched: number;
+  /** The people, the nearest first. */
+  readonly people: readonly FoundPerson[];
+}
+
+/** A person in the searched frames. */
+export interface FoundPerson {
+  /** Name of the label that the person gets. */
+  readonly name: string;
+  /** Colour of this label. */
+  readonly color: string;
+  /** Id of this label; null: a new one. */
+  readonly label: number | null;
+  /** Its points in each frame in which it was found, in the order of the frames. */
+  readonly frames: readonly PersonPoints[];
+}
+
 /** Agreement in a frame. */
 export interface FrameAgreement {
   /** Number of the frame. */
@@ -516,6 +538,20 @@ export interface Manifest {
   readonly until: string | null;
 }
 
+/** Result of masks that became labels. */
+export interface MaskEdit {
+  /** UUID of the edit. */
+  readonly edit: string;
+  /** Number of points with a new label, provenance or deletion. */
+  readonly changed: number;
+  /** Revision of the recording after the edit. */
+  readonly revision: number;
+  /** Number of points in the masks' values that have a label or class. */
+  readonly seen: number;
+  /** Number of points that stay as they are, because they are near a border of a mask or cameras disagree. */
+  readonly doubt: number;
+}
+
 /** Placement of a tracked label's points. */
 export interface Moving {
   /** Id of the label. */
@@ -626,6 +662,18 @@ export interface PersonFigures {
   readonly edits: number;
   /** Number of points that their strokes changed. */
   readonly points: number;
+}
+
+/** Points of a person in a frame. */
+export interface PersonPoints {
+  /** Number of the frame. */
+  readonly frame: number;
+  /** Mean probability of its points, 0 to 1. */
+  readonly score: number;
+  /** Number of its points. */
+  readonly points: number;
+  /** Runs of its points: first number and length. */
+  readonly runs: readonly (readonly [number, number])[];
 }
 
 /** A doubtful place, where a label teaches most. */

@@ -14,6 +14,9 @@ export const QUESTION_ID = 65344;
 /** The first of the ids for labels of a copy, and for differences of two copies. */
 export const OTHERS = 65345;
 export const MOST_OTHERS = 128;
+/** The first of the ids of found people before they are accepted: lighter, with an edge. */
+export const FOUND = 65473;
+export const MOST_FOUND = PREVIEW - FOUND;
 /** Share of white in the preview's colour. */
 const PREVIEW_WHITE = 0.45;
 export const FLAG_VISIBLE = 128;
@@ -65,13 +68,12 @@ export class PaletteTexture {
 
   /** The colour that is previewed, "#rrggbb". */
   setPreview(color: string): void {
-    const rgb = Number.parseInt(color.slice(1), 16);
-    const at = PREVIEW * 4;
-    for (let k = 0; k < 3; k++) {
-      const value = (rgb >> (16 - 8 * k)) & 255;
-      this.data[at + k] = Math.round(value + (255 - value) * PREVIEW_WHITE);
-    }
-    this.texture.needsUpdate = true;
+    this.paint(PREVIEW, [color], FLAG_VISIBLE, PREVIEW_WHITE);
+  }
+
+  /** Colours of found people, ids from `FOUND` on, "#rrggbb". */
+  setFound(colors: readonly string[]): void {
+    this.paint(FOUND, colors.slice(0, MOST_FOUND), FLAG_VISIBLE, PREVIEW_WHITE);
   }
 
   /** Set the colours of predictions, ids from `PREDICTED` on, "#rrggbb". */
@@ -84,10 +86,12 @@ export class PaletteTexture {
     this.paint(OTHERS, colors.slice(0, MOST_OTHERS), FLAG_VISIBLE);
   }
 
-  private paint(first: number, colors: readonly string[], flags: number): void {
+  private paint(first: number, colors: readonly string[], flags: number, white = 0): void {
     colors.forEach((color, k) => {
       const rgb = Number.parseInt(color.slice(1), 16);
-      this.data.set([rgb >> 16, (rgb >> 8) & 255, rgb & 255, flags], (first + k) * 4);
+      const parts = [rgb >> 16, (rgb >> 8) & 255, rgb & 255];
+      const mixed = parts.map((part) => Math.round(part + (255 - part) * white));
+      this.data.set([...mixed, flags], (first + k) * 4);
     });
     this.texture.needsUpdate = true;
   }

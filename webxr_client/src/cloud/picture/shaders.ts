@@ -223,7 +223,7 @@ void main() {
       grow *= 1.15;
     }
   }
-  bool edged = id == 65534 || id == 65344;
+  bool edged = id >= 65473 && id <= 65534 || id == 65344;
   shade = vec4(base, edged && outlining > 0.5 ? 0.5 : 1.0);
 
   vec4 eye = modelViewMatrix * vec4(position, 1.0);

@@ -65,7 +65,7 @@ export class Viewer {
   readonly middle = new Vector3();
   /** The recording's diagonal, metres. */
   private extent = 0;
-  private outlined = false;
+  private readonly outlined = new Set<string>();
   private questionShown = false;
   private dirty = true;
   private limit = ALL_POINTS;
@@ -225,10 +225,10 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** Draw the edge of the points that a click would take. */
-  setOutlined(on: boolean): void {
-    if (on === this.outlined) return;
-    this.outlined = on;
+  /** Draw the edge of points of a candidate, as long as one of its purposes asks for it. */
+  setOutlined(purpose: string, on: boolean): void {
+    if (on) this.outlined.add(purpose);
+    else this.outlined.delete(purpose);
     this.invalidate();
   }
 
@@ -377,7 +377,7 @@ export class Viewer {
     this.chooseSurface(camera);
     this.backdrop.follow(camera.position);
     eyeDome.quad.visible = false;
-    const outlined = this.outlined || this.questionShown;
+    const outlined = this.outlined.size > 0 || this.questionShown;
     const aside = (eyeDome.shades || outlined) && this.shown !== null;
     this.uniforms.setOutlining(aside && outlined);
     if (aside) {

@@ -1,10 +1,9 @@
 /** Import of files: preview, corrections, and the import itself. */
 import type { ActionParts } from '../../store/actions';
 import { count as shown, plural } from '../../common/format';
-import { api, ApiError } from '../../net/rest';
+import { api } from '../../net/rest';
 import type { Entry, Job as RestJob } from '../../protocol/values';
 import {
-  isActive,
   notify,
   state,
   type ChosenFile,
@@ -24,12 +23,11 @@ import {
 import { dropUploads, previewOf, send, submit } from './import-requests';
 import { joinImports } from './imports';
 import { FIRST, importInto } from './projects';
-import { attempt, commonName, jobOf, noteJob, sequencePath, waitedFor } from './recordings';
+import { attempt, commonName, finished, jobOf, noteJob, sequencePath } from './recordings';
 
-/** Milliseconds between two requests for the state of an awaited job. */
-const LOOK = 200;
 /** Endings of files that hold labels and no points. */
-const LABELS = /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation)[^/]*\.(npy|json))$/i;
+const LABELS =
+  /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation|instances)[^/]*\.(npy|json)|(mask|label|segm)[^/]*(\/[^/]+)*\.(png|txt|json))$/i;
 
 /** Files that a short message names. */
 const MAX_NAMED_FILES = 3;
@@ -75,18 +73,11 @@ async function labels(dry: boolean): Promise<LabelsFound> {
   const { files, sequence, options } = state.importing.peek()!;
   const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;
   const id = crypto.randomUUID();
-  waitedFor.add(id);
-  let job = await send<RestJob>(path, files!, {
-    id,
-    ...(options.by_order && { by_order: true }),
-  });
-  if (!dry) noteJob(jobOf(job));
-  while (isActive(jobOf(job))) {
-    await new Promise((done) => setTimeout(done, LOOK));
-    job = await api<RestJob>('GET', `jobs/${job.id}`);
-  }
-  if (job.state !== 'done') throw new ApiError('Labels', job.error ?? job.message, 422);
-  return job.result as unknown as LabelsFound;
+  const more = options.by_order && { by_order: true };
+  const begun = send<RestJob>(path, files!, { id, ...more });
+  if (!dry) void begun.then((job) => noteJob(jobOf(job)), () => undefined); // prettier-ignore
+  const { result } = await finished(id, begun);
+  return result as unknown as LabelsFound;
 }
 
 async function lookForLabels(): Promise<void> {

@@ -36,6 +36,21 @@ export async function attempt(what: string, work: () => Promise<unknown>): Promi
 /** Ids of awaited jobs: the caller reports their end, without a separate message. */
 export const waitedFor = new Set<string>();
 
+/** Milliseconds between two requests for the state of an awaited job. */
+const LOOK_MS = 200;
+
+/** Wait for the end of a job of an id that the caller chose, and reports; throws ApiError if it failed. */
+export async function finished(id: string, begun: Promise<RestJob>): Promise<RestJob> {
+  waitedFor.add(id);
+  let job = await begun;
+  while (isActive(jobOf(job))) {
+    await new Promise((done) => setTimeout(done, LOOK_MS));
+    job = await api<RestJob>('GET', `jobs/${job.id}`);
+  }
+  if (job.state !== 'done') throw new ApiError(job.kind, job.error ?? job.message, 422);
+  return job;
+}
+
 /** Record the state of a job from the socket or an answer; the newest one wins. */
 export function noteJob(job: Job): void {
   const known = state.jobs.peek().find((other) => other.id === job.id);

@@ -1,4 +1,5 @@
 /** Bar at the bottom of the canvas: the object tool's candidate, and actions on it. */
+import { peopleStep } from '../../engine/find-people';
 import { actions } from '../../store/actions';
 import { isStroke, state, trackingJob, type ObjectView } from '../../store/state';
 import { preparation } from '../../tools/preparation';
@@ -15,7 +16,7 @@ export function ObjectBar() {
   const clicks = deskWay(state.brush.value.shape).samples === 'clicks';
   const offers = object !== null && object.levels > 0;
   const shows = clicks || (offers && object.completes);
-  if (!shows || !isStroke(state.tool.value)) return null;
+  if (!shows || !isStroke(state.tool.value) || peopleStep.value) return null;
   return (
     <div class="bar card line wrap" role="status">
       <Icon name="object" />

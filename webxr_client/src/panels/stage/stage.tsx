@@ -16,6 +16,7 @@ import { dropping } from '../importing/files';
 import { Icon } from '../../common/icons';
 import { JobCards } from './jobs';
 import { ObjectBar } from './object-bar';
+import { PeopleBar } from './people-bar';
 import { Toasts } from './toasts';
 import { Views } from './views';
 import { Welcome } from '../importing/welcome';
@@ -30,6 +31,7 @@ export function Stage({ bars }: { bars: readonly (() => ComponentChild)[] }) {
         <JobCards />
         <Toasts />
         {state.sequence.value && <ObjectBar />}
+        <PeopleBar />
         {bars.map((More) => (
           <More />
         ))}

@@ -3,6 +3,7 @@ import type { PointerSample } from '../../store/types';
 import { Vector3, type Object3D } from 'three';
 import { actions } from '../../store/actions';
 import type { Engine } from '../../engine/engine';
+import { acceptPeople } from '../../engine/find-people';
 import type { Brush, StrokeResult } from '../../protocol/messages';
 import { peek } from '../../store/watch';
 import { canEdit, isStroke, notify, state } from '../../store/state';
@@ -282,7 +283,7 @@ export class Painter {
 
   /** A press begins, `first`, or goes on with another size of the brush. */
   private press(hand: Pointer, first: boolean): void {
-    if (first) this.points = !isStroke(peek(state.tool));
+    if (first) this.points = acceptPeople() || !isStroke(peek(state.tool));
     this.way = this.points ? wayOf('sphere') : roomWay();
     this.noteFrame();
     if (this.points) {

@@ -2,6 +2,7 @@
 import { untracked } from '@preact/signals';
 import { Group, Vector3 } from 'three';
 import { shortCount } from '../../common/format';
+import { acceptPeople, peopleOffer } from '../../engine/find-people';
 import type { Device } from '../input/devices';
 import { padName } from '../input/lessons';
 import type { Pointer } from '../input/pointer';
@@ -71,6 +72,9 @@ export class TipSign {
 
 /** Text of an offered object and of the control that takes it, in at most three lines; empty when there is nothing. */
 export function objectText(device: Device | null, held: boolean): string {
+  const people = peopleOffer.value;
+  if (people)
+    return people.main?.run === acceptPeople ? `${people.text}\nTrigger: accept` : people.text;
   const view = state.object.value;
   const clicks = roomWay().samples === 'clicks';
   if (!view) return clicks ? (preparation() ?? '') : '';

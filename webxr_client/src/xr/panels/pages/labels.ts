@@ -1,6 +1,7 @@
 /** The palette's first page: a colour chip of each label, and actions on the active one. */
 import { actions } from '../../../store/actions';
 import type { Label } from '../../../protocol/messages';
+import { findPeople } from '../../../engine/find-people';
 import { unsure } from '../../../engine/review';
 import { shortCount } from '../../../common/format';
 import { activeLabel, state } from '../../../store/state';
@@ -87,6 +88,7 @@ export class LabelsPage {
     ui.strip(x, below + em * (STRIP + GAP), inner, em * STRIP, [
       [{ icon: 'plus', text: 'New' }, this.makeNew],
       [{ icon: 'pencil', text: 'Edit', disabled: !label }, this.edit],
+      [{ icon: 'people', text: 'People' }, () => void findPeople()],
       ...this.rows.turning(state.palette.peek().length),
     ]);
   }
