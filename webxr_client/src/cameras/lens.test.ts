@@ -102,7 +102,7 @@ it('draws dots at the points of an outlined piece alone, and clears their inside
     beginPath: () => dots.splice(0), moveTo: (u: number, v: number) => dots.push([u, v]), lineTo: vi.fn(),
     stroke: () => strokes.push([pen.lineWidth, pen.globalCompositeOperation]), lineWidth: 0, globalCompositeOperation: '',
   }; // prettier-ignore
-  new Projected(320, 240).outline(pen as never, frame, Lens.of(picture(), [0, 0, 0])!, [[0, 1], [2, 2]]); // prettier-ignore
+  new Projected(320, 240).outline(pen as never, frame, Lens.of(picture(), [0, 0, 0])!, Uint32Array.of(0, 2, 3)); // prettier-ignore
   expect(dots).toEqual([[160, 120], [97.5, 120]]); // prettier-ignore
   const [[outer], [inner, how]] = [strokes[0]!, strokes.at(-1)!];
   expect([inner < outer, how]).toEqual([true, 'destination-out']);

@@ -2,12 +2,12 @@
 import type { CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
 import type { Lens } from './lens';
-import type { Runs } from './state';
 
 /** Points of a frame that are drawn at most: of the coarse levels, which are an even subsample. */
 export const MOST = 60_000;
-/** Opacity, of 255, of points with and without a label. */
-const [LABELLED, UNLABELLED] = [235, 70];
+/** Opacity, of 255, of points with a label, and usually of points without. */
+const LABELLED = 235;
+export const UNLABELLED = 70;
 
 /** An outline: dots at the points without smaller dots; diameters are parts of the picture's width. */
 const RINGS = [
@@ -30,6 +30,7 @@ export class Projected {
   constructor(
     readonly width: number,
     readonly height: number,
+    private readonly unlabelled = UNLABELLED,
   ) {
     this.pixels = new ImageData(width, height);
     this.points = new Int32Array(width * height);
@@ -66,21 +67,19 @@ export class Projected {
     }
   }
 
-  /** Draw the edge of a piece of a frame, given by runs of stored numbers, over the picture. */
-  outline(pen: CanvasRenderingContext2D, frame: CloudFrame, lens: Lens, runs: Runs): void {
+  /** Draw the edge of points of a frame, given by their stored numbers, over the picture. */
+  outline(pen: CanvasRenderingContext2D, frame: CloudFrame, lens: Lens, points: Uint32Array): void {
     const share = this.width / lens.picture.width;
     pen.lineCap = 'round';
     for (const [width, colour, how] of RINGS) {
       Object.assign(pen, { lineWidth: width * this.width, strokeStyle: colour, globalCompositeOperation: how }); // prettier-ignore
       pen.beginPath();
-      for (const [first, length] of runs) {
-        for (let point = first; point < first + length; point++) {
-          const place = placeOf(frame, point);
-          if (!place || !lens.project(...place)) continue;
-          const [u, v] = [lens.at[0]! * share, lens.at[1]! * share];
-          pen.moveTo(u, v);
-          pen.lineTo(u + DOT, v);
-        }
+      for (const point of points) {
+        const place = placeOf(frame, point);
+        if (!place || !lens.project(...place)) continue;
+        const [u, v] = [lens.at[0]! * share, lens.at[1]! * share];
+        pen.moveTo(u, v);
+        pen.lineTo(u + DOT, v);
       }
       pen.stroke();
     }
@@ -102,7 +101,7 @@ export class Projected {
     this.points[pixel] = point;
     const { data } = this.pixels;
     for (let k = 0; k < 3; k++) data[pixel * 4 + k] = colour[k]!;
-    data[pixel * 4 + 3] = label === 0 ? UNLABELLED : LABELLED;
+    data[pixel * 4 + 3] = label === 0 ? this.unlabelled : LABELLED;
   }
 
   /** The point drawn nearest to a pixel, at most `reach` away; −1 for none. */

@@ -16,11 +16,18 @@ export interface Pictures {
   readonly sequence: string;
   readonly frame: number;
   readonly cameras: readonly Camera[];
+  /** The page draws the one picture, of a depth camera without other pictures. */
+  readonly drawn: boolean;
 }
 
-export const stripOpen = signal(true);
+/** Choice of the user; null: open where cameras took pictures. */
+export const stripOpen = signal<boolean | null>(null);
 /** Name of the camera with the large picture over the cloud; null: none. */
 export const largeCamera = signal<string | null>(null);
+/** The large picture shows labels as filled masks. */
+export const maskShown = signal(false);
+/** Grows with changes of labels, and with it the address of masks. */
+export const labelChanges = signal(0);
 /** Of the large picture, 0 to 1: less lets the cloud through. */
 export const largeOpacity = signal(1);
 /** Pictures of the frame on screen, or of one just before it; null until they are loaded. */

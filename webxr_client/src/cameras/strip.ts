@@ -1,17 +1,21 @@
 /** Shows a frame's pictures in the strip, and places pointed at there in the cloud. */
 import type { Vec } from '../store/types';
 import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'three';
+import { PREVIEW } from '../cloud/picture/palette';
 import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { api } from '../net/rest';
 import type { Camera } from '../protocol/values';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
+import { depthCamera } from './depth-picture';
 import type { Lens } from './lens';
-import { pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
+import { labelChanges, pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
 
 /** Milliseconds between two updates, so that pictures do not follow every dab of a stroke. */
 const LOOK_MS = 150;
+/** Overlay of a label's points that are lit, and milliseconds for which they are. */
+const [LIT, LIT_MS] = ['lit', 1500];
 /** From the camera's side, this part of its way to the place remains, within these metres. */
 const [PART, NEAR, FAR] = [0.4, 1.5, 12];
 
@@ -20,6 +24,8 @@ class CameraStrip {
   private readonly known = new Map<number, readonly Camera[]>();
   private looked = 0;
   private newestRequest = 0;
+  private lit: ReturnType<typeof setTimeout> | undefined;
+  private unlight = (): void => undefined;
 
   constructor(private readonly engine: Engine) {
     this.marker = new PlaceMarker(engine.viewer.room);
@@ -28,6 +34,7 @@ class CameraStrip {
       pictures.value = projectedFrame.value = pointed.value = null;
     });
     watch([state.shown], () => void this.look());
+    watch([state.counts, state.palette], () => (labelChanges.value += 1));
     watch([pointed, state.frame], () => {
       const at = pointed.peek();
       this.marker.show(at?.by === 'picture' ? at.place : null);
@@ -54,17 +61,40 @@ class CameraStrip {
       if (state.sequence.peek()?.identity !== info.identity) return;
       this.known.set(frame, cameras);
     }
-    if (request === this.newestRequest) pictures.value = { sequence: info.id, frame, cameras };
+    if (request !== this.newestRequest) return;
+    const { image } = this.engine.playback.frame ?? {};
+    const drawn = cameras.length === 0 && image != null;
+    if (drawn) cameras = [depthCamera(image.lattice, info.shift)];
+    pictures.value = { sequence: info.id, frame, cameras, drawn };
   }
 
   /** Before each picture: whether points or labels are others. */
   private update(now: number): void {
     const { frame } = this.engine.playback;
-    if (!stripOpen.peek() || !frame || !has(pictures.peek()) || now - this.looked < LOOK_MS) return;
+    if (stripOpen.peek() === false || !frame || !has(pictures.peek())) return;
+    if (now - this.looked < LOOK_MS) return;
     this.looked = now;
     const before = projectedFrame.peek();
     if (before?.frame === frame && before.version === frame.version) return;
     projectedFrame.value = { frame, version: frame.version };
+  }
+
+  /** Light up the points of a label in the cloud for a moment, as a candidate is. */
+  light(label: number): void {
+    const { viewer, playback } = this.engine;
+    const { frame } = playback;
+    if (!frame) return;
+    const show = (on: boolean): void => {
+      if (on)
+        frame.setOverlay(LIT, { indices: frame.pointsOf(label), values: Uint16Array.of(PREVIEW) }); // prettier-ignore
+      else frame.dropOverlay(LIT);
+      viewer.setOutlined(LIT, on);
+    };
+    clearTimeout(this.lit);
+    this.unlight();
+    show(true);
+    this.unlight = () => show(false);
+    this.lit = setTimeout(() => this.unlight(), LIT_MS);
   }
 
   /** Look at a place (local) from a camera's side, with the brush on it. */
@@ -92,6 +122,11 @@ export function installCameras(engine: Engine): void {
 /** Look at a place from a camera's side, with the brush on it. */
 export function aimAt(place: Vec, lens: Lens): void {
   strip?.aim(place, lens);
+}
+
+/** Light up the points of a label in the cloud for a moment. */
+export function lightUp(label: number): void {
+  strip?.light(label);
 }
 
 /** A cross in the cloud at the place that one points at in a picture. */

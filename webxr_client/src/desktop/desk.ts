@@ -6,6 +6,7 @@ import type { Shown } from '../store/types';
 import { watch } from '../store/watch';
 import type { Engine } from '../engine/engine';
 import { leaveBox } from '../boxes/changes';
+import { pictureKeys } from '../cameras/painting';
 import { leavePeople } from '../engine/find-people';
 import { clip } from '../tools/clip';
 import { AheadPreview } from '../tools/preview';
@@ -96,9 +97,9 @@ class Desk {
         aimAtMiddle: () => pointer.aimAtMiddle(),
         useInMiddle: () => pointer.useInMiddle(),
         cancelStroke: () =>
-          pointer.cancel() || leavePeople() || objects.end() || leaveBox(),
-        closeOutline: () => pointer.closeOutline(),
-        takeBackCorner: () => pointer.takeBackCorner(),
+          pictureKeys.cancel() || pointer.cancel() || leavePeople() || objects.end() || leaveBox(),
+        closeOutline: () => pictureKeys.close() || pointer.closeOutline(),
+        takeBackCorner: () => pictureKeys.takeBack() || pointer.takeBackCorner(),
         snapBox: () => pointer.snapBox(),
       },
     });

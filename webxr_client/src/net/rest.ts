@@ -16,7 +16,7 @@ export function apiUrl(path: string): string {
   return new URL(`api/v1/${path}`, document.baseURI).href;
 }
 
-/** Return the JSON answer; throws ApiError with the server's problem (RFC 9457). */
+/** Return the JSON answer to a JSON body or a file; throws ApiError with the server's problem (RFC 9457). */
 export async function api<T>(method: string, path: string, body?: unknown): Promise<T> {
   const response = await ask(method, path, body);
   return (response.status === 204 ? undefined : await response.json()) as T;
@@ -40,7 +40,8 @@ async function ask(
   signal: AbortSignal | null = null,
 ): Promise<Response> {
   const init: RequestInit = { method, credentials: 'same-origin', signal };
-  if (body !== undefined) {
+  if (body instanceof Blob) init.body = body;
+  else if (body !== undefined) {
     init.body = JSON.stringify(body);
     init.headers = { 'Content-Type': 'application/json' };
   }

@@ -53,8 +53,8 @@ export class LassoOutline {
     return this.kind === 'polygon' && this.corners.length > 0;
   }
 
-  begin(x: number, y: number, color: string): void {
-    this.kind = outlineKind.peek();
+  begin(x: number, y: number, color: string, kind = outlineKind.peek()): void {
+    this.kind = kind;
     this.corners = [[x, y]];
     this.pointer = null;
     for (const part of [this.line, this.first]) part.setAttribute('stroke', color);

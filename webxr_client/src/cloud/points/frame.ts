@@ -262,6 +262,15 @@ export class CloudFrame {
     return piece?.labels?.[number - piece.first] ?? 0;
   }
 
+  /** Stored numbers of a label's points that are here, as the server has them. */
+  pointsOf(label: number): Uint32Array {
+    const found: number[] = [];
+    for (const { first, labels } of this.pieces) {
+      labels?.forEach((each, i) => void (each === label && found.push(first + i)));
+    }
+    return Uint32Array.from(found);
+  }
+
   setOverlay(id: string, overlay: Overlay): void {
     this.overlays.set(id, overlay);
     this.labelsVersion += 1;
