@@ -266,6 +266,8 @@ export interface FileFrame {
 export interface LabelsFound {
   readonly labelled: number;
   readonly changed: number;
+  /** Points at the borders of masks, which stay as they are. */
+  readonly doubtful: number;
   readonly matched: number;
   readonly files: readonly FileFrame[];
   /** Points by label id. */

@@ -9,6 +9,7 @@ import { useModal } from '../parts/modal';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { Facts, Labels, onPage, orderCounts, Warnings } from './found';
+import { MaskPreview } from './mask-preview';
 import { PartsTable } from './parts-table';
 
 const FORMATS = [
@@ -90,7 +91,12 @@ function Content({ draft }: { draft: ImportDraft }) {
       )}
       {parts && <PartsTable parts={parts} busy={draft.busy} />}
       {sequence
-        ? labels && <Labels found={labels} />
+        ? labels && (
+            <>
+              <MaskPreview draft={draft} />
+              <Labels found={labels} />
+            </>
+          )
         : draft.decided && <Recording draft={draft} />}
     </>
   );

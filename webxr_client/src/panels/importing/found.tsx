@@ -120,8 +120,9 @@ function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): 
 }
 
 export function Labels({ found }: { found: LabelsFound }) {
+  const doubt = found.doubtful > 0 ? `, ${found.doubtful.toLocaleString('en')} in doubt` : '';
   const rows: readonly Fact[] = [
-    ['Points', `${found.labelled.toLocaleString('en')} with a label`],
+    ['Points', `${found.labelled.toLocaleString('en')} with a label${doubt}`],
     ['Frames', `${found.matched} with labels, ${found.unmatched_frames.length} without`],
     ['Labels', `${Object.keys(found.labels).length}, ${found.new_labels.length} of them new`],
     ['Classes without a name', found.unknown_classes.slice(0, 12).join(', ')],
