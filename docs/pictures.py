@@ -150,6 +150,22 @@ def clip(desk: Desk) -> None:
     desk.press("y")
 
 
+def mask(desk: Desk) -> None:
+    """Show the labels as a mask over the large picture of the depth camera, with the brush."""
+    pictures = desk.page.get_by_role("button", name="Pictures")
+    pictures.click()
+    desk.page.get_by_role("button", name="Show the picture of depth large").click()
+    large = desk.page.locator(".camera-large")
+    large.get_by_role("button", name="Mask").click()
+    large.get_by_role("radio", name="Brush").click()
+    large.locator("img.camera-mask").wait_for()
+    desk.page.mouse.move(0, OPTIONS.height / 2)  # without the button's tip
+    save(desk, "desk-mask")
+    large.get_by_role("radio", name="Look").click()
+    large.get_by_role("button", name="Close the large picture").click()
+    pictures.click()
+
+
 def review(desk: Desk) -> None:
     """Open the findings: what cannot be followed is suspicious, too."""
     desk.page.get_by_role("button", name="Work").click()
@@ -227,6 +243,7 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     nearest = mine[np.linalg.norm(mine - mine.mean(axis=0), axis=1).argmin()]
     object_tool(desk, nearest.tolist())
     clip(desk)
+    mask(desk)
     desk.page.get_by_role("button", name="Light theme").click()
     desk.page.mouse.move(0, OPTIONS.height / 2)  # without the button's tip
     save(desk, "desk-light")
