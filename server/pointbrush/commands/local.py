@@ -67,9 +67,7 @@ class LocalClient:
         return LocalRecording(self.workspace, self.id_of(text))
 
     def manifests(self) -> list[Manifest]:
-        from pointbrush.work.manifests import listed
-
-        return [listed(entry) for entry in self.workspace.listing.all()]
+        return self.workspace.listing.all()
 
     def restore(self, sequence: str) -> LocalRecording:
         return LocalRecording(self.workspace, self.workspace.deletion.restore(sequence))

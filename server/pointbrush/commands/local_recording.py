@@ -43,10 +43,8 @@ class LocalRecording(Part):
     @property
     def manifest(self) -> Manifest:
         """The manifest of the recording; raises DamagedError, NotFoundError."""
-        from pointbrush.work.manifests import listed
-
         self.workspace.recording(self.id)
-        return listed(self.workspace.listing.entry(self.id))
+        return self.workspace.listing.entry(self.id)
 
     @property
     def boxes(self) -> LocalBoxes:

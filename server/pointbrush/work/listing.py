@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 
+from pointbrush import sequences
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import (
     DamagedError,
@@ -14,15 +15,16 @@ from pointbrush.errors import (
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.labels import Progress
 from pointbrush.names import SCRATCH
-from pointbrush.sequences import Manifest, note_checksums, verify
+from pointbrush.sequences import note_checksums, verify
 from pointbrush.sequences.storage.checksums import CHECKSUMS
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.summaries import Search
+from pointbrush.values.recordings import Manifest
 from pointbrush.work.deletion import Deletion
 from pointbrush.work.imports.submitting import Imports
 from pointbrush.work.library import LABELS_ALONE, Library
+from pointbrush.work.manifests import NOTHING, listed
 
 LABELS_MISSING = "labels were not imported"
 """Prefix of the message about a recording without the labels in its files."""
@@ -67,32 +69,6 @@ def _repair_labels(store: WorkspaceStore, sequence: str, done: Repaired) -> None
     ]
 
 
-NOTHING = Progress()
-
-
-@dataclass(frozen=True, slots=True)
-class Listed:
-    """A recording; ``manifest`` is None if it cannot be read, ``damaged`` a sentence or None.
-
-    ``project``: its project; ``labels_missing``: the reason why the labels in its files were not
-    imported, or None; ``copy_of``: the original of a copy for one person, or None.
-    """
-
-    id: str
-    revision: int
-    manifest: Manifest | None
-    damaged: str | None
-    progress: Progress = NOTHING
-    labels_missing: str | None = None
-    project: str = FIRST
-    copy_of: str | None = None
-
-    @property
-    def name(self) -> str:
-        """Return its name."""
-        return self.id if self.manifest is None else self.manifest.name
-
-
 class Listing:
     """The recordings of a workspace, their faults, and repairs; thread-safe."""
 
@@ -102,7 +78,7 @@ class Listing:
         self._library, self._store = library, store
         self._imports, self._deletion = imports, deletion
 
-    def all(self, *, copies: bool = False) -> list[Listed]:
+    def all(self, *, copies: bool = False) -> list[Manifest]:
         """Return all recordings with files or labels, by name, except unfinished imports.
 
         ``copies``: include copies for one person.  The scratch recording is excluded.
@@ -126,30 +102,30 @@ class Listing:
         progress, projects = self._store.progress(), self._store.team.summaries.projects()
         missing = self._imports.source_labels.missing(one.manifest for one in found if one.manifest)
         entries = [
-            Listed(
+            listed(
                 one.id,
                 revisions.get(one.id, 0),
                 one.manifest,
                 one.damaged,
                 progress.get(one.id, NOTHING),
-                missing.get(one.id),
-                projects.get(one.id, FIRST),
-                of_copies.get(one.id),
+                labels_missing=missing.get(one.id),
+                project=projects.get(one.id, FIRST),
+                copy_of=of_copies.get(one.id),
             )
             for one in found
             if one.id != SCRATCH and (one.id in revisions or one.id not in importing)
         ]
         alone = revisions.keys() - {one.id for one in found} - {SCRATCH}
-        entries += [Listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
+        entries += [listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
-    def search(self, search: Search, text: str = "") -> list[Listed]:
+    def search(self, search: Search, text: str = "") -> list[Manifest]:
         """Return recordings by conditions on their labels, and by a part of their name or id.
 
         Copies for one person are included.
         """
         wanted = text.strip().lower()
-        found: dict[str, Manifest] = {}
+        found: dict[str, sequences.Manifest] = {}
         matches = self._store.team.summaries.matching(search)
         matches.pop(SCRATCH, None)
         for sequence in matches:
@@ -159,12 +135,11 @@ class Listing:
                     found[sequence] = manifest
         progress = self._store.progress(found)
         entries = [
-            Listed(
+            listed(
                 sequence,
                 matches[sequence].revision,
                 manifest,
-                None,
-                progress.get(sequence, NOTHING),
+                progress=progress.get(sequence, NOTHING),
                 project=matches[sequence].project,
                 copy_of=matches[sequence].copy_of,
             )
@@ -172,22 +147,26 @@ class Listing:
         ]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
-    def entry(self, sequence: str) -> Listed:
+    def entry(self, sequence: str) -> Manifest:
         """Return one recording; raises NotFoundError if it has neither files nor labels."""
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
             found = self._library.look(sequence)
             progress = self._store.progress([sequence]).get(sequence, NOTHING)
-            missing = self._labels_missing(found.manifest)
-            project = self._store.team.summaries.project(sequence)
-            return Listed(
-                sequence, revision or 0, found.manifest, found.damaged, progress, missing, project
+            return listed(
+                sequence,
+                revision or 0,
+                found.manifest,
+                found.damaged,
+                progress,
+                labels_missing=self._labels_missing(found.manifest),
+                project=self._store.team.summaries.project(sequence),
             )
         if revision is None:
             raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
-        return Listed(sequence, revision, None, LABELS_ALONE)
+        return listed(sequence, revision, None, LABELS_ALONE)
 
-    def _labels_missing(self, manifest: Manifest | None) -> str | None:
+    def _labels_missing(self, manifest: sequences.Manifest | None) -> str | None:
         if manifest is None:
             return None
         return self._imports.source_labels.missing([manifest]).get(manifest.id)
@@ -210,7 +189,7 @@ class Listing:
             problems += _problems(lambda: self._store.check(sequence), "its labels")
         return problems if damaged is None else [damaged, *problems]
 
-    def repair(self, sequences: Iterable[str]) -> Repaired:
+    def repair(self, recordings: Iterable[str]) -> Repaired:
         """Repair recordings as far as possible; no other process may have the workspace open.
 
         Indexes are rebuilt from the database's rows; snapshots, counts, palette and tracks from the
@@ -221,7 +200,7 @@ class Listing:
         _repair_database(self._store, done)
         if done.lost:
             return done
-        for sequence in sequences:
+        for sequence in recordings:
             _repair_labels(self._store, sequence, done)
             if not self._library.has(sequence):
                 done.lost.append(f"{sequence}: {LABELS_ALONE}")

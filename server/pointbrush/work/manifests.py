@@ -7,21 +7,31 @@ from datetime import datetime
 from typing import Any
 
 from pointbrush import sequences
+from pointbrush.labels import Progress
 from pointbrush.values.kinds import time_of
 from pointbrush.values.recordings import Bounds, Manifest
 from pointbrush.work.deletion import Deleted
-from pointbrush.work.listing import Listed
+
+NOTHING = Progress()
 
 
-def listed(entry: Listed) -> Manifest:
-    """Return the manifest of a listed recording; a damaged one may have only its id."""
-    if entry.manifest is None:
-        return _unreadable(entry.id, entry.revision, damaged=entry.damaged)
+def listed(
+    sequence: str,
+    revision: int,
+    stored: sequences.Manifest | None,
+    damaged: str | None = None,
+    progress: Progress = NOTHING,
+    **more: str | None,
+) -> Manifest:
+    """Return the manifest of a recording with the fields ``more``.
+
+    ``stored`` is None if it cannot be read, ``damaged`` a sentence or None.
+    """
+    if stored is None:
+        return _unreadable(sequence, revision, damaged=damaged, **more)
     return _manifest(
-        entry.manifest, entry.revision, entry.progress.changed,
-        damaged=entry.damaged, labelled=entry.progress.frames, labels=entry.progress.labels,
-        labels_used=entry.progress.used, labels_missing=entry.labels_missing,
-        project=entry.project, copy_of=entry.copy_of,
+        stored, revision, progress.changed, damaged=damaged, labelled=progress.frames,
+        labels=progress.labels, labels_used=progress.used, **more,
     )  # fmt: skip
 
 

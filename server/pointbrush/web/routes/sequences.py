@@ -17,7 +17,7 @@ from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import FloorBody
-from pointbrush.work import manifests
+from pointbrush.work.manifests import removed
 from pointbrush.workspace import Workspace
 
 CopiesQuery = Annotated[
@@ -65,7 +65,7 @@ def search_query(
 
 def _out(workspace: Workspace, sequence: str) -> Manifest:
     workspace.recording(sequence)
-    return manifests.listed(workspace.listing.entry(sequence))
+    return workspace.listing.entry(sequence)
 
 
 @router.get("/sequences", **needs("viewer"))
@@ -85,7 +85,7 @@ def list_sequences(
     """
     if deleted:
         gone = workspace.deletion.deleted()
-        return [manifests.removed(e) for e in gone if gate.may_see_deleted(who, e.known)]
+        return [removed(e) for e in gone if gate.may_see_deleted(who, e.known)]
     if wanted is None:
         found = workspace.listing.all(copies=True)
     else:
@@ -97,7 +97,7 @@ def list_sequences(
             shown += [entry] if copies else []
         elif entry.id in roles:
             shown.append(replace(entry, copy_of=None))
-    return [manifests.listed(entry) for entry in shown]
+    return shown
 
 
 @router.get("/sequences/{seq}", **needs("viewer", 404))
@@ -158,4 +158,4 @@ def restore_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
     If several have this id, the last deleted one is restored.  If the id is in use, the recording
     gets another id.  With the ``identity`` the call can be repeated.
     """
-    return manifests.listed(workspace.listing.entry(workspace.deletion.restore(seq)))
+    return workspace.listing.entry(workspace.deletion.restore(seq))
