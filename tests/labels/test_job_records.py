@@ -13,7 +13,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 from waiting import eventually
 
 from pointbrush.database.database import Limits
-from pointbrush.database.job_records import JobRecord
+from pointbrush.jobs.job import Job
 from pointbrush.teamwork.store import WorkspaceStore
 
 LOCKED = "SELECT id FROM jobs WHERE id = %s FOR UPDATE NOWAIT"
@@ -21,10 +21,8 @@ WAITING = """SELECT count(*) FROM pg_stat_activity
     WHERE wait_event_type = 'Lock' AND datname = current_database()"""
 
 
-def record(job_id: str, created: float) -> JobRecord:
-    return JobRecord(
-        job_id, "import", None, "running", 0.5, "", None, None, created, None, None, None
-    )
+def record(job_id: str, created: float) -> Job:
+    return Job(id=job_id, kind="import", state="running", progress=0.5, created=created)
 
 
 @pytest.fixture

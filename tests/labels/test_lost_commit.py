@@ -15,7 +15,6 @@ from pointbrush.jobs.job import Job
 from pointbrush.labels import Write
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.job_registry import record_of
 from tests.torture.proxy import SlowProxy
 
 COMMITTED = (b"INSERT 0 1\0", b"COMMIT\0")
@@ -67,8 +66,8 @@ def test_what_may_not_be_written_twice_is_looked_for(url: str, proxy: SlowProxy)
         assert store.tokens.check(secret) is not None
 
         proxy.lost = (b"COMMIT\0",)
-        store.jobs.add(record_of(Job(kind="import", sequence="wall", owner="ann")))
-        assert [job.author for job in store.jobs.all()] == ["ann"]
+        store.jobs.add(Job(kind="import", sequence="wall", owner="ann"))
+        assert [job.owner for job in store.jobs.all()] == ["ann"]
 
         proxy.lost = (b"COMMIT\0",)
         told = store.reviews.add("wall", "", "ann", Review(0, 0, state="review", note="look"))

@@ -17,8 +17,8 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
-from pointbrush.database.job_records import JobRecord
 from pointbrush.errors import ForbiddenError
+from pointbrush.jobs.job import Job
 from pointbrush.teamwork import delivering, webhooks
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch
@@ -156,8 +156,14 @@ def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
         here.team.tasks.add("default", "lead", [Stretch("wall", 0, 0)])
         here.create_label("wall", "ada", name="brick")
         here.jobs.add(
-            JobRecord(
-                "job", "tracking", "wall", "done", 1.0, "", None, None, 4e9, "ada", None, None
+            Job(
+                id="job",
+                kind="tracking",
+                sequence="wall",
+                state="done",
+                progress=1.0,
+                created=4e9,
+                owner="ada",
             )
         )
         for store in (here, there, here):

@@ -12,7 +12,7 @@ import pytest
 from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.work.job_registry import JobRegistry, record_of
+from pointbrush.work.job_registry import JobRegistry
 from tests.test_jobs import Count
 from tests.waiting import PATIENCE
 
@@ -31,7 +31,7 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
 
     waiting = Job(kind="import", sequence="s", request={"call": "again"})
     with closing(WorkspaceStore(url)) as store, caplog.at_level(logging.WARNING):
-        store.jobs.add(record_of(waiting))
+        store.jobs.add(waiting)
         store.jobs.release([waiting.id], "")
         runner = JobRunner(told.append, workers=1)
         runner.make_ready(int)
@@ -44,4 +44,4 @@ def test_a_job_begun_again_while_its_server_ends_is_left_to_the_next_one(
         left = store.jobs.find(waiting.id)
     assert [entry for entry in caplog.records if entry.exc_info] == []
     assert left is not None
-    assert (left.state, left.owner, left.error) == ("queued", "", None)
+    assert (left.state, left.server, left.error) == ("queued", "", None)

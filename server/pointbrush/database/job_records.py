@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Collection, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal
 
 from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, select, update
@@ -16,6 +16,7 @@ from pointbrush.database.lost_answers import write_once
 from pointbrush.database.schema import jobs, works
 from pointbrush.database.statements import insert
 from pointbrush.errors import ConflictError
+from pointbrush.jobs.job import Job
 
 STALE_SECONDS = 30.0
 """Time without a heartbeat after which a job's server counts as ended."""
@@ -28,28 +29,15 @@ TaskPatch = Literal["", "cancel", "keep"]
 _JSON = ("result", "request")
 
 
-@dataclass(frozen=True, slots=True)
-class JobRecord:
-    """A job as stored; the first fields are the same as in ``pointbrush.jobs.job.Job``."""
+@dataclass(frozen=True, kw_only=True)
+class JobRecord(Job):
+    """A job as stored."""
 
-    id: str
-    kind: str
-    sequence: str | None
-    state: str
-    progress: float
-    message: str
-    result: dict[str, Any] | None
-    error: str | None
-    created: float
-    author: str | None
-    edit: str | None
-    request: dict[str, Any] | None
-    """Request that restarts it on another server; None: it cannot be restarted."""
+    server: str = ""
+    """The process that runs it; empty: none."""
     lost: int = 0
     """Number of servers that ended unexpectedly while it ran."""
     wish: TaskPatch = ""
-    owner: str = ""
-    """The process that runs it; empty: none."""
 
 
 class JobRecords:
@@ -63,19 +51,19 @@ class JobRecords:
         """``owner`` identifies this process, as in its guards."""
         self._database, self.owner = database, owner
 
-    def add(self, record: JobRecord) -> None:
+    def add(self, job: Job) -> None:
         """Store a new job, owned by this process.
 
         Raises ConflictError if a job with its id exists, UnavailableError.
         """
 
         def make(connection: Connection) -> bool:
-            row = _row(record) | self._mine(self._database.now(connection))
+            row = _row(job) | self._mine(self._database.now(connection)) | {"lost": 0, "wish": ""}
             # Waits for another server that may store the same job at the same moment.
             new = insert(jobs, sqlite=self._database.sqlite).values(row).on_conflict_do_nothing()
             counted = {"preserve_rowcount": True}
             if connection.execute(new, execution_options=counted).rowcount == 0:
-                raise ConflictError(f"id: expected one of no job yet, got {record.id}")
+                raise ConflictError(f"id: expected one of no job yet, got {job.id}")
             ended = (
                 select(jobs.c.id)
                 .where(jobs.c.state.not_in(UNDER_WAY))
@@ -87,23 +75,21 @@ class JobRecords:
             return True
 
         def find(connection: Connection) -> bool | None:
-            own = (jobs.c.id == record.id) & (jobs.c.owner == self.owner)
+            own = (jobs.c.id == job.id) & (jobs.c.owner == self.owner)
             return connection.scalar(select(jobs.c.id).where(own)) is not None or None
 
         write_once(self._database, make, find)
 
-    def update(self, records: Iterable[JobRecord]) -> set[str]:
+    def update(self, changed: Iterable[Job]) -> set[str]:
         """Store the progress of this process's jobs; return jobs that another process has taken."""
         lost: set[str] = set()
         with self._database.write() as connection:
             now = self._database.now(connection)
-            for record in sorted(records, key=lambda record: record.id):
-                row = _row(record) | {"beat": now}
-                for name in ("id", "owner", "wish", "lost"):
-                    del row[name]
-                own = (jobs.c.id == record.id) & (jobs.c.owner == self.owner)
+            for job in sorted(changed, key=lambda job: job.id):
+                row = _row(job) | {"beat": now}
+                own = (jobs.c.id == row.pop("id")) & (jobs.c.owner == self.owner)
                 if connection.execute(update(jobs).where(own).values(row)).rowcount == 0:
-                    lost.add(record.id)
+                    lost.add(job.id)
         return lost
 
     def remove(self, ids: Collection[str]) -> None:
@@ -149,7 +135,7 @@ class JobRecords:
         ``silent``: also jobs of servers without a recent heartbeat.  The guards of the ended
         servers are released.
         """
-        if not any(record.owner != self.owner for record in self.under_way()):
+        if not any(record.server != self.owner for record in self.under_way()):
             return []
         seconds = STALE_SECONDS if silent else None
         taken: list[JobRecord] = []
@@ -166,7 +152,7 @@ class JobRecords:
                 mine = self._mine(now) | {"lost": lost}
                 connection.execute(update(jobs).where(jobs.c.id == row.id).values(mine))
                 owners |= {row.owner} - {""}
-                taken.append(_record(row, lost=lost, owner=self.owner))
+                taken.append(_record(row, lost=lost, server=self.owner))
             if owners:
                 _delete_unlocked(connection, works, works.c.owner.in_(owners))
         return sorted(taken, key=lambda record: record.created)
@@ -193,12 +179,14 @@ def _delete_unlocked(connection: Connection, table: Table, condition: ColumnElem
     connection.execute(delete(table).where(table.c.id.in_(ids)))
 
 
-def _row(record: JobRecord) -> dict[str, Any]:
-    row = asdict(record)
-    return row | {name: None if row[name] is None else json.dumps(row[name]) for name in _JSON}
+def _row(job: Job) -> dict[str, Any]:
+    row = {each.name: getattr(job, each.name) for each in fields(Job)}
+    row["author"] = row.pop("owner")
+    return row | {name: row[name] and json.dumps(row[name]) for name in _JSON}
 
 
 def _record(row: Row[Any], **other: Any) -> JobRecord:
-    fields = {name: row._mapping[name] for name in JobRecord.__dataclass_fields__}
-    fields |= {name: json.loads(fields[name]) for name in _JSON if fields[name] is not None}
-    return JobRecord(**fields | other)
+    found = row._mapping
+    values = {each.name: found[each.name] for each in fields(JobRecord) if each.name in found}
+    values |= {name: json.loads(found[name]) for name in _JSON if found[name] is not None}
+    return JobRecord(**values | {"owner": row.author, "server": row.owner} | other)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +82,7 @@ class JobRegistry:
         try:
             self._remove_discarded()
             self._write()
-            own = [r.id for r in self._records.under_way() if r.owner == self._records.owner]
+            own = [r.id for r in self._records.under_way() if r.server == self._records.owner]
             self._records.release(own, RESTART_PENDING)
         except UnavailableError as error:
             log.warning("jobs are begun again %.0f s later: %s", STALE_SECONDS, error)
@@ -99,7 +99,7 @@ class JobRegistry:
         if job.id in self._waiting:
             return
         try:
-            self._records.add(record_of(job))
+            self._records.add(job)
         except UnavailableError:  # it may be stored: the answer to the commit may be lost
             self.discard(job)
             raise
@@ -124,8 +124,8 @@ class JobRegistry:
     def all(self) -> list[Job]:
         """Return the jobs of all servers, newest first."""
         own = {job.id: job for job in self._runner.known.all()}
-        records = (each for each in self._records.all() if each.id not in self._discarded)
-        stored = {record.id: job_of(record) for record in records}
+        records = self._records.all()
+        stored: dict[str, Job] = {job.id: job for job in records if job.id not in self._discarded}
         return sorted((stored | own).values(), key=lambda job: job.created, reverse=True)
 
     def get(self, job_id: str) -> Job:
@@ -136,7 +136,7 @@ class JobRegistry:
             record = self._records.find(job_id)
             if record is None or job_id in self._discarded:
                 raise
-            return job_of(record)
+            return record
 
     def begin_once(self, job_id: str | None, owner: str | None, begin: Callable[[str], Job]) -> Job:
         """Start a job by ``begin(id)``, or return the job that ``owner`` has started with this id.
@@ -214,9 +214,9 @@ class JobRegistry:
             self._restart(record)
         under_way = self._records.under_way()
         for record in under_way:
-            if record.owner == self._records.owner and record.wish:
+            if record.server == self._records.owner and record.wish:
                 self._cancel_as_requested(record.id, record.wish)
-        self._notify_changes([job_of(r) for r in under_way if r.owner != self._records.owner])
+        self._notify_changes([r for r in under_way if r.server != self._records.owner])
 
     def _remove_discarded(self) -> None:
         """Remove jobs that failed to start."""
@@ -242,7 +242,7 @@ class JobRegistry:
                 self._changed = changed | self._changed
             return
         try:
-            lost = self._records.update(record_of(job) for job in wanted.values())
+            lost = self._records.update(wanted.values())
         except BaseException:
             with self._lock:
                 self._changed = changed | self._changed
@@ -253,7 +253,6 @@ class JobRegistry:
             self._runner.leave(job_id)
 
     def _restart(self, record: JobRecord) -> None:
-        job = job_of(record)
         try:
             if record.lost >= MOST_LOST:
                 raise ConflictError(
@@ -262,18 +261,19 @@ class JobRegistry:
             if record.request is None:
                 raise ConflictError(NOT_RESTARTABLE)
             log.info("job %s begins again", record.id)
-            result = self._begin[record.request["call"]](replace(job, state="queued", message=""))
+            begin = self._begin[record.request["call"]]
+            result = begin(replace(record, state="queued", message=""))
         except UnavailableError:
             raise  # the database or the scheduler is unavailable: retry later
         except PointbrushError as error:
-            self._store_end(replace(job, state="failed", error=self._public(str(error))))
+            self._store_end(replace(record, state="failed", error=self._public(str(error))))
         else:
             if result is not None:
-                self._store_end(replace(job, state="done", progress=1.0, result=result))
+                self._store_end(replace(record, state="done", progress=1.0, result=result))
         self._waiting.pop(record.id, None)
 
     def _store_end(self, job: Job) -> None:
-        self._records.update([record_of(job)])
+        self._records.update([job])
         self._notify(job)
 
     def _cancel_as_requested(self, job_id: str, wish: TaskPatch) -> None:
@@ -284,30 +284,14 @@ class JobRegistry:
         except (ConflictError, NotFoundError):
             return  # it has ended
 
-    def _notify_changes(self, elsewhere: list[Job]) -> None:
+    def _notify_changes(self, elsewhere: Sequence[Job]) -> None:
         """Notify of changes of other servers' jobs."""
         now = {job.id: job for job in elsewhere}
         for job_id in self._seen.keys() - now.keys():
             record = self._records.find(job_id)
-            if record is not None and record.owner != self._records.owner:
-                self._notify(job_of(record))
+            if record is not None and record.server != self._records.owner:
+                self._notify(record)
         for job in elsewhere:
             if self._seen.get(job.id) != job:
                 self._notify(job)
         self._seen = now
-
-
-_FIELDS = {f.name for f in fields(JobRecord)} & {f.name for f in fields(Job)} - {"owner"}
-
-
-def job_of(record: JobRecord) -> Job:
-    """Build a job from its record."""
-    values: dict[str, Any] = {name: getattr(record, name) for name in _FIELDS}
-    return Job(**values, owner=record.author)
-
-
-def record_of(job: Job) -> JobRecord:
-    """Build the record of a job, without an owner."""
-    values = {name: getattr(job, name) for name in _FIELDS}
-    request = None if job.request is None else dict(job.request)
-    return JobRecord(**values | {"request": request}, author=job.owner)

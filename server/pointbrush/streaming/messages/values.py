@@ -5,6 +5,7 @@ The brush is derived from the table of shapes (``pointbrush.selection.SHAPES``).
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
@@ -160,7 +161,7 @@ def _type_of(kind: Kind) -> Any:
         case EditName():
             return Uuid
         case Numbers(shape):
-            return _list_of(Finite, count=_product(shape))
+            return _list_of(Finite, count=math.prod(shape))
         case Vertices(_, most):
             corner: Any = _list_of(Finite, count=2)
             return Annotated[list[corner], Field(max_length=most)]
@@ -170,13 +171,6 @@ def _type_of(kind: Kind) -> Any:
 
 def _list_of(item: Any, count: int) -> Any:
     return Annotated[list[item], Field(min_length=count, max_length=count)]
-
-
-def _product(shape: tuple[int, ...]) -> int:
-    count = 1
-    for length in shape:
-        count *= length
-    return count
 
 
 def _field(parameter: Parameter, shapes: list[str]) -> tuple[Any, Any]:
