@@ -69,7 +69,7 @@ def test_columns_of_arrays_and_of_files_with_names(tmp_path: Path) -> None:
 def test_a_delimiter_and_a_decimal_comma(tmp_path: Path) -> None:
     path = text(tmp_path, "1,5|2,5|3,5\n4,0|5,0|6,0\n")
     assert one(path, delimiter="pipe").xyz[0].tolist() == [1.5, 2.5, 3.5]
-    assert one(path, delimiter="|", decimal_comma="true").xyz[0].tolist() == [1.5, 2.5, 3.5]
+    assert one(path, delimiter="|", decimal_comma=True).xyz[0].tolist() == [1.5, 2.5, 3.5]
     ambiguous = text(tmp_path, "1,5 2,25 3,125\n1,5 2,25 3,125\n", "b.txt")
     assert len(one(ambiguous).xyz) == 2
 
@@ -79,7 +79,7 @@ def test_scale_makes_metres_of_everything(tmp_path: Path) -> None:
     pose = np.eye(4)
     pose[0, 3] = 2000
     np.savez(tmp_path / "a.npz", xyz=xyz, pose=pose, viewpoint=np.array([100.0, 0, 0]))
-    frame = one(tmp_path / "a.npz", scale="0.001")
+    frame = one(tmp_path / "a.npz", scale=0.001)
     assert np.array_equal(frame.xyz, xyz * 0.001)
     assert frame.pose is not None
     assert frame.pose[0, 3] == 2
@@ -108,12 +108,10 @@ def test_poses_are_left_out_or_those_of_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("said", "complaint"),
     [
-        ({"scale": "0"}, "scale: expected metres per unit, above 0"),
-        ({"scale": "wide"}, "scale: expected a number"),
+        ({"scale": 0.0}, "scale: expected metres per unit, above 0"),
         ({"up": "w"}, "up: expected one of x, -x"),
         ({"delimiter": "##"}, "delimiter: expected one character or comma"),
         ({"columns": "x,y=z"}, "meanings in order or pairs, got both"),
-        ({"decimal_comma": "yes"}, "decimal_comma: expected true or false"),
     ],
 )
 def test_what_is_no_correction_says_what_was_expected(said: dict[str, Any], complaint: str) -> None:

@@ -112,25 +112,15 @@ class Corrections:
 
 
 def parse_corrections(given: Mapping[str, Any]) -> Corrections:
-    """Corrections from options as text (a form, a command line) or as JSON.
+    """Corrections from options, of which ``columns`` may be one text with commas.
 
-    ``columns`` may be one text with commas.  Raises BadInputError.
+    Raises BadInputError.
     """
     values = {name: value for name, value in given.items() if value not in (None, "")}
     columns = values.get("columns", ())
     if isinstance(columns, str):
         columns = columns.split(",")
     values["columns"] = tuple(str(part).strip() for part in columns)
-    if isinstance(values.get("scale"), str):
-        try:
-            values["scale"] = float(values["scale"])
-        except ValueError:
-            raise BadInputError(f"scale: expected a number, got {values['scale'][:40]!r}") from None
-    for name in ("drop_invalid", "decimal_comma", "by_order"):
-        if isinstance(values.get(name), str):
-            if values[name] not in ("true", "false"):
-                raise BadInputError(f"{name}: expected true or false, got {values[name][:40]!r}")
-            values[name] = values[name] == "true"
     if isinstance(values.get("up"), str):
         values["up"] = values["up"].lower().removeprefix("+")
     return Corrections(**values)
