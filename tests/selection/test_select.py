@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from pydantic import ValidationError
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
@@ -17,6 +18,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.selection import Points, Selector, Stroke, first_hits, select
 from pointbrush.selection import points as selected_points
 from pointbrush.sequences.blocks import Blocks, bound, cut
+from pointbrush.streaming.messages import Brush
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -308,10 +310,7 @@ def test_an_empty_frame_gives_nothing(shape: str) -> None:
     [
         ({"shape": "blob"}, "shape"),
         ({"tool": "burn"}, "tool"),
-        ({"radius": -1}, "radius"),
-        ({"radius": float("nan")}, "radius"),
         ({"label": 0}, "erase"),
-        ({"label": 70000}, "65534"),
         ({"samples": [{"origin": [0, 0], "direction": [0, 0, 1]}]}, "origin"),
         ({"samples": [{"origin": [0, 0, float("inf")]}]}, "origin"),
         ({"samples": [{"origin": [0, 0, 0], "direction": [0, 0, 0]}]}, "direction"),
@@ -324,6 +323,23 @@ def test_an_empty_frame_gives_nothing(shape: str) -> None:
 def test_bad_strokes_say_what_was_expected(fields: dict[str, object], says: str) -> None:
     with pytest.raises(BadInputError, match=says):
         Stroke.parse({"label": 1, "shape": "sphere", **fields})
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"radius": -1}, "radius"),
+        ({"radius": float("nan")}, "radius"),
+        ({"label": 70000}, "65534"),
+        ({"level": 6}, "level"),
+        ({"polygon": [[0, 0, 0]]}, "polygon"),
+        ({"hidden": [-1]}, "hidden"),
+        ({"frames": [-1]}, "frames"),
+    ],
+)
+def test_calls_and_messages_check_numbers(fields: dict[str, object], says: str) -> None:
+    with pytest.raises(ValidationError, match=says):
+        Brush.model_validate({"label": 1, "shape": "sphere", **fields})
 
 
 def test_a_sampled_shape_needs_samples() -> None:

@@ -46,13 +46,12 @@ def inside(
     return np.asarray((off <= size / 2).all(axis=1))
 
 
-@dataclass(frozen=True, slots=True)
 class _Rotation(Numbers):
     """A quaternion x, y, z, w of any length but zero."""
 
     def read(self, name: str, value: object) -> NDArray[np.float64]:
         """Return the quaternion.  Raises BadInputError."""
-        quaternion = Numbers(self.shape).read(name, value)
+        quaternion = super().read(name, value)
         rotation_of(quaternion)
         return quaternion
 
@@ -76,9 +75,9 @@ BOX = Shape(
     "box",
     "The inside of a box.",
     (
-        Parameter("center", Numbers((3,)), None, "metres"),
-        Parameter("size", Numbers((3,), positive=True), None, "full edge lengths, metres"),
-        Parameter("quaternion", _Rotation((4,)), (0.0, 0.0, 0.0, 1.0), "orientation x, y, z, w"),
+        Parameter("center", Numbers(3), None, "metres"),
+        Parameter("size", Numbers(3, positive=True), None, "full edge lengths, metres"),
+        Parameter("quaternion", _Rotation(4), (0.0, 0.0, 0.0, 1.0), "orientation x, y, z, w"),
     ),
     take=_take,
     sampled=False,

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 from pointbrush.errors import BadInputError
 from pointbrush.selection.shape import (
+    FLAG,
     RADIUS,
-    EditName,
-    Flag,
+    Kind,
     Parameter,
     Parts,
     Rays,
     Selecting,
     Shape,
-    Text,
-    Whole,
 )
+from pointbrush.values.base import Rule
+from pointbrush.values.kinds import Uuid
 
 MOST_RAYS = 64
 """Maximum rays of one object, of each kind."""
 MOST_LEVELS = 6
 """Maximum candidates of one answer."""
-MOST_NAME = 64
-"""Maximum characters of a candidate's id."""
+CANDIDATE_ID = Kind(Annotated[str, Rule(max_length=64)])
 
 
 def _by_candidate(_at: Selecting) -> Parts:
@@ -36,21 +37,21 @@ OBJECT = Shape(
         Parameter("negatives", Rays(MOST_RAYS), (), "rays at points that do not belong to it"),
         Parameter(
             "candidate",
-            Text(MOST_NAME),
+            CANDIDATE_ID,
             "",
             "id of a candidate of the frame as it is now; the server refuses other ids (409)",
         ),
         Parameter(
             "level",
-            Whole(0, MOST_LEVELS - 1),
+            Kind(Annotated[int, Rule(ge=0, le=MOST_LEVELS - 1)]),
             None,
             "without `candidate`: the level to take, from 0 (the smallest); null: the best",
         ),
-        Parameter("previous", Text(MOST_NAME), "", "the candidate taken so far, as in the request"),
-        Parameter("take_labelled", Flag(), False, "also points of other labels"),
+        Parameter("previous", CANDIDATE_ID, "", "the candidate taken so far, as in the request"),
+        Parameter("take_labelled", FLAG, False, "also points of other labels"),
         Parameter(
             "replaces",
-            EditName(),
+            Kind(Uuid),
             None,
             "this author's last edit, which the stroke replaces: one undo reverts a refined object",
         ),

@@ -82,7 +82,7 @@ LASSO = Shape(
         ),
         Parameter(
             "matrix",
-            Numbers((4, 4)),
+            Numbers(4, 4),
             None,
             "`clip_from_source`, the camera's projection times view, row-major",
         ),

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.selection.points import NOTHING, Alive, Points
-from pointbrush.selection.shape import RADIUS, Flag, Parameter, Parts, Selecting, Shape
+from pointbrush.selection.shape import FLAG, RADIUS, Parameter, Parts, Selecting, Shape
 from pointbrush.selection.sphere import balls, swept_ball
 
 RUN = 16
@@ -187,7 +187,7 @@ RAY = Shape(
     (
         RADIUS,
         Parameter(
-            "through", Flag(), False, "take all points along the ray, not only the first surface"
+            "through", FLAG, False, "take all points along the ray, not only the first surface"
         ),
     ),
     take=_take,

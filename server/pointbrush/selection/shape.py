@@ -5,92 +5,47 @@ A parameter defines its valid values and the conversion from JSON fields.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.selection.points import Alive, Points, PointSet
+from pointbrush.values.base import Rule
+from pointbrush.values.kinds import Finite
 
 Values = Mapping[str, Any]
 """A stroke's converted parameters by name."""
 
 
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A number greater than ``above`` and at most ``most``."""
+class Kind:
+    """Values of a parameter; calls and messages check them by their ``type``."""
 
-    above: float
-    most: float
+    def __init__(self, type: Any) -> None:
+        self.type = type
 
-    def read(self, name: str, value: object) -> float:
-        """Return the number.  Raises BadInputError."""
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not number or not self.above < float(value) <= self.most:  # type: ignore[arg-type]
-            raise BadInputError(
-                f"{name}: expected metres above {self.above:g} and up to {self.most:g}, "
-                f"got {value!r}"
-            )
-        return float(value)  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True, slots=True)
-class Flag:
-    """A boolean."""
-
-    def read(self, _name: str, value: object) -> bool:
-        """Return the flag."""
-        return bool(value)
-
-
-@dataclass(frozen=True, slots=True)
-class Whole:
-    """An integer from ``least`` to ``most``; None stays None."""
-
-    least: int
-    most: int
-
-    def read(self, name: str, value: object) -> int | None:
-        """Return the integer.  Raises BadInputError."""
-        if value is None:
-            return None
-        whole = isinstance(value, int) and not isinstance(value, bool)
-        if not whole or not self.least <= value <= self.most:  # type: ignore[operator]
-            raise BadInputError(f"{name}: expected {self.least} to {self.most}, got {value!r}")
-        return value  # type: ignore[return-value]
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """At most ``most`` characters."""
-
-    most: int
-
-    def read(self, name: str, value: object) -> str:
-        """Return the text.  Raises BadInputError."""
-        if not isinstance(value, str) or len(value) > self.most:
-            raise BadInputError(f"{name}: expected at most {self.most} characters, got {value!r}")
+    def read(self, _name: str, value: Any) -> Any:
+        """Return the value of the parameter ``_name`` for strokes.  Raises BadInputError."""
         return value
 
 
-@dataclass(frozen=True, slots=True)
-class EditName:
-    """The id of an edit, a UUID; None stays None."""
-
-    def read(self, name: str, value: object) -> str | None:
-        """Return the id; the label store checks that the edit exists."""
-        return None if value is None else Text(36).read(name, value)
+FLAG = Kind(bool)
 
 
-@dataclass(frozen=True, slots=True)
-class Numbers:
+def _list_of(item: Any, count: int) -> Any:
+    return Annotated[list[item], Rule(min_length=count, max_length=count)]
+
+
+class Numbers(Kind):
     """Finite numbers in an array of ``shape``; above 0 where ``positive``."""
 
-    shape: tuple[int, ...]
-    positive: bool = False
+    def __init__(self, *shape: int, positive: bool = False) -> None:
+        super().__init__(_list_of(Finite, math.prod(shape)))
+        self.shape, self.positive = shape, positive
 
     def read(self, name: str, value: object) -> NDArray[np.float64]:
         """Return the array.  Raises BadInputError."""
@@ -98,7 +53,7 @@ class Numbers:
             array = np.array(value, np.float64)
         except (TypeError, ValueError):
             array = np.empty(0)
-        count = int(np.prod(self.shape))
+        count = math.prod(self.shape)
         if array.size != count or not np.isfinite(array).all():
             raise BadInputError(f"{name}: expected {count} finite numbers, got {str(value)[:80]}")
         if self.positive and (array <= 0).any():
@@ -106,12 +61,13 @@ class Numbers:
         return array.reshape(self.shape)
 
 
-@dataclass(frozen=True, slots=True)
-class Vertices:
+class Vertices(Kind):
     """``least`` to ``most`` vertices of two finite numbers each."""
 
-    least: int
-    most: int
+    def __init__(self, least: int, most: int) -> None:
+        corner: Any = _list_of(Finite, 2)
+        super().__init__(Annotated[list[corner], Rule(max_length=most)])
+        self.least, self.most = least, most
 
     def read(self, name: str, value: object) -> NDArray[np.float64]:
         """Return the vertices (V, 2).  Raises BadInputError."""
@@ -123,21 +79,12 @@ class Vertices:
         return rows(name, corners, 2)
 
 
-@dataclass(frozen=True, slots=True)
-class Rays:
+class Rays(Kind):
     """At most ``most`` samples (``origin``, ``direction``)."""
 
-    most: int
-
-    def read(self, name: str, value: object) -> Sequence[Mapping[str, Any]]:
-        """Return the samples.  Raises BadInputError."""
-        if not isinstance(value, list | tuple) or len(value) > self.most:
-            got = len(value) if isinstance(value, list | tuple) else repr(value)[:80]
-            raise BadInputError(f"{name}: expected at most {self.most} rays, got {got}")
-        return value
-
-
-Kind = Number | Flag | Whole | Text | EditName | Numbers | Vertices | Rays
+    def __init__(self, most: int) -> None:
+        super().__init__(list)
+        self.most = most
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +102,9 @@ class Parameter:
         return self.kind.read(self.name, self.default if value is None else value)
 
 
-RADIUS = Parameter("radius", Number(0, 1000), 0.05, "metres")
+RADIUS = Parameter(
+    "radius", Kind(Annotated[float, Rule(gt=0, le=1000, allow_inf_nan=False)]), 0.05, "metres"
+)
 
 
 def rows(name: str, values: Sequence[Any], width: int) -> NDArray[np.float64]:

@@ -17,8 +17,6 @@ from pointbrush.selection.shapes import SHAPES
 
 TOOLS = ("paint", "erase", "delete", "restore")
 MAX_SAMPLES = 65_536
-MAX_HIDDEN = 65_535
-"""Maximum number of hidden labels: all label ids, and 0."""
 MAX_FRAMES = 1_000
 """Maximum number of further frames that one stroke paints."""
 
@@ -57,14 +55,19 @@ class Stroke:
             raise BadInputError(f"shape: expected one of {', '.join(SHAPES)}, got {shape!r}")
         if tool not in TOOLS:
             raise BadInputError(f"tool: expected one of {', '.join(TOOLS)}, got {tool!r}")
+        label = fields.get("label", 0)
+        if tool == "paint" and label == 0:
+            raise BadInputError(
+                "label: expected 1 to 65534 to paint with, got 0 (use tool 'erase')"
+            )
         stroke = cls(
             shape=shape,
             tool=tool,
-            label=_label(fields.get("label", 0), tool),
+            label=label,
             values=SHAPES[shape].read(fields),
             only_unlabeled=bool(fields.get("only_unlabeled", False)),
-            hidden=_hidden(fields.get("hidden", ())),
-            frames=_frames(fields.get("frames", ())),
+            hidden=frozenset(fields.get("hidden", ())),
+            frames=tuple(fields.get("frames", ())),
             clip=Clip.parse(fields.get("clip")),
         )
         return stroke.with_samples(fields.get("samples") or [])
@@ -115,29 +118,3 @@ class Stroke:
         return replace(
             self, origins=self.origins[samples], directions=self.directions[samples], met=met
         )
-
-
-def _label(value: object, tool: str) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= 65534:
-        raise BadInputError(f"label: expected an integer 0 to 65534, got {value!r}")
-    if tool == "paint" and value == 0:
-        raise BadInputError("label: expected 1 to 65534 to paint with, got 0 (use tool 'erase')")
-    return value
-
-
-def _hidden(values: object) -> frozenset[int]:
-    if not isinstance(values, list | tuple) or len(values) > MAX_HIDDEN:
-        raise BadInputError(f"hidden: expected at most {MAX_HIDDEN:,} label ids in a list")
-    for value in values:
-        if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= 65534:
-            raise BadInputError(f"hidden: expected integers 0 to 65534, got {str(value)[:80]!r}")
-    return frozenset(values)
-
-
-def _frames(values: object) -> tuple[int, ...]:
-    if not isinstance(values, list | tuple) or len(values) > MAX_FRAMES:
-        raise BadInputError(f"frames: expected at most {MAX_FRAMES:,} frame numbers in a list")
-    for value in values:
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise BadInputError(f"frames: expected frame numbers, got {str(value)[:80]!r}")
-    return tuple(values)

@@ -5,25 +5,13 @@ The brush is derived from the table of shapes (``pointbrush.selection.SHAPES``).
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
-from pointbrush.selection.shape import (
-    EditName,
-    Flag,
-    Kind,
-    Number,
-    Numbers,
-    Parameter,
-    Rays,
-    Text,
-    Vertices,
-    Whole,
-)
+from pointbrush.selection.shape import Numbers, Parameter, Rays
 from pointbrush.values.boxes import Box as Box
 from pointbrush.values.boxes import BoxPose as BoxPose
 from pointbrush.values.kinds import Color as Color
@@ -147,39 +135,13 @@ class Chunk(Message):
     hi: Vec3
 
 
-def _type_of(kind: Kind) -> Any:
-    """Return the pydantic type of a parameter's values."""
-    match kind:
-        case Number(above, most):
-            return Annotated[float, Field(gt=above, le=most, allow_inf_nan=False)]
-        case Flag():
-            return bool
-        case Whole(least, most):
-            return Annotated[int, Field(ge=least, le=most)]
-        case Text(most):
-            return Annotated[str, Field(max_length=most)]
-        case EditName():
-            return Uuid
-        case Numbers(shape):
-            return _list_of(Finite, count=math.prod(shape))
-        case Vertices(_, most):
-            corner: Any = _list_of(Finite, count=2)
-            return Annotated[list[corner], Field(max_length=most)]
-        case Rays(most):
-            return Annotated[list[Sample], Field(max_length=most)]
-
-
-def _list_of(item: Any, count: int) -> Any:
-    return Annotated[list[item], Field(min_length=count, max_length=count)]
-
-
 def _field(parameter: Parameter, shapes: list[str]) -> tuple[Any, Any]:
     """Return a parameter's type and field; a field without a default may be null."""
-    kind, default = _type_of(parameter.kind), parameter.default
+    kind, default = parameter.kind.type, parameter.default
     if default is None or isinstance(parameter.kind, Numbers):
         kind, default = kind | None, None
     if isinstance(parameter.kind, Rays):
-        default = []
+        kind, default = Annotated[list[Sample], Field(max_length=parameter.kind.most)], []
     return kind, Field(default, description=f"{', '.join(shapes)}: {parameter.about}")
 
 
@@ -199,7 +161,7 @@ _Parameters: Any = create_model("_Parameters", __base__=Message, **_parameters()
 def _box() -> dict[str, Any]:
     """Return the fields of a box, which are the parameters of the shape ``box``."""
     return {
-        each.name: (_type_of(each.kind), Field(*_default(each), description=each.about))
+        each.name: (each.kind.type, Field(*_default(each), description=each.about))
         for each in BOX.parameters
     }
 
