@@ -211,18 +211,7 @@ export function trackAndFit(): void {
   const start = state.frame.peek();
   const stop = (state.sequence.peek()?.frames ?? 1) - 1;
   const fit = (): void => void fitBoxes({ labels: [label], category: null, frames: null });
-  const run = (to: number): void => {
-    actions.tracking.track({
-      labels: [label],
-      start,
-      stop: to,
-      method: 'auto',
-      overwrite: 'tracked',
-      continue_lost: false,
-      until_painted: false,
-      stop_unsure: false,
-    });
-  };
+  const run = (to: number): void => actions.tracking.track({ labels: [label], start, stop: to });
   const ways = [stop, 0].filter((to) => to !== start);
   if (ways.length === 0) fit();
   else afterTracking(ways, run, fit);

@@ -134,8 +134,6 @@ export class Following {
       labels: [painted.label],
       start: painted.frame,
       stop: this.deps.last(),
-      method: 'auto',
-      overwrite: 'tracked',
       until_painted: true,
     });
   }

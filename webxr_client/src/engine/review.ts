@@ -2,7 +2,8 @@
 import { computed, type ReadonlySignal, signal } from '@preact/signals';
 import { actions, type ActionParts, type TrackRequest } from '../store/actions';
 import { api } from '../net/rest';
-import { cellKind, wantsLook } from '../store/cells';
+import { cellKind, hasPoints, wantsLook } from '../store/cells';
+import { trackableLabels } from '../store/palette-list';
 import { dismiss, notify, state, type TimelineRow } from '../store/state';
 import { follow } from '../store/watch';
 import { attempt, openPath } from './recordings/recordings';
@@ -116,11 +117,10 @@ function halt(request: TrackRequest, { frame, label }: Doubt): void {
   );
 }
 
-/** Return the given labels that have points in a frame. */
+/** Return the given labels that can be tracked from a frame. */
 function present(labels: readonly number[], frame: number): number[] {
-  const { rows } = state.timeline.peek();
-  const locked = new Set(state.palette.peek().flatMap((label) => (label.locked ? label.id : [])));
-  return labels.filter((id) => !locked.has(id) && (rows.get(id)?.points[frame] ?? 0) > 0);
+  const trackable = trackableLabels(frame);
+  return labels.filter((id) => trackable.includes(id));
 }
 
 function continueRun(): void {
@@ -134,7 +134,7 @@ function continueRun(): void {
     notify('info', 'Nothing to track in this frame', 'Paint the object in this frame first.');
     return;
   }
-  const how = stopped ?? { method: 'auto', overwrite: 'tracked', stop_unsure: doubtful.length > 0 };
+  const how = stopped ?? { stop_unsure: doubtful.length > 0 };
   actions.tracking.track({ ...how, labels, start, stop });
 }
 
@@ -179,7 +179,7 @@ function doubtful(rows: Rows, id: number, frame: number): boolean {
 export function runOver({ labels, start, stop }: Stretch, rows: Rows): Stretch | null {
   for (const [from, to] of [[start - 1, stop], [stop + 1, start]] as const) {
     const sureLabels = labels.filter(
-      (id) => (rows.get(id)?.points[from] ?? 0) > 0 && !doubtful(rows, id, from),
+      (id) => hasPoints(rows.get(id), from) && !doubtful(rows, id, from),
     );
     if (sureLabels.length > 0) return { labels: sureLabels, start: from, stop: to };
   } // prettier-ignore
@@ -202,8 +202,7 @@ function trackStretch(): void {
   const found = stretch.peek();
   if (!found) return;
   const run = runOver(found, state.timeline.peek().rows);
-  const how = { method: 'auto', overwrite: 'tracked', continue_lost: true } as const;
-  if (run) actions.tracking.track({ ...how, ...run, labels: [...run.labels] });
+  if (run) actions.tracking.track({ ...run, labels: [...run.labels], continue_lost: true });
   else notify('info', 'Nothing to track from', 'Paint the object in a frame next to the range.');
 }
 

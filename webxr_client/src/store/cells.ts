@@ -9,6 +9,10 @@ const DOUBTFUL_BELOW = 0.5;
 const OCCLUDED = 3;
 const LOST = 4;
 
+export function hasPoints(row: TimelineRow | undefined, frame: number): boolean {
+  return (row?.points[frame] ?? 0) > 0;
+}
+
 /** State of the label's cell of a frame. */
 export function cellKind(row: TimelineRow, frame: number): CellKind {
   if (row.state[frame] === LOST) return 'lost';

@@ -1,6 +1,7 @@
 /** Labels as the palette lists them: found by the search, by category, numbered, one being renamed. */
 import { computed, signal } from '@preact/signals';
 import type { Label } from '../protocol/messages';
+import { hasPoints } from './cells';
 import { state } from './state';
 
 /** Search words; the palette shows labels with all of them. */
@@ -84,3 +85,12 @@ export const menuOf = signal<number | null>(null);
 
 /** The label that is being renamed. */
 export const renaming = signal<number | null>(null);
+
+/** Labels with points in a frame, in the palette's order; locked ones cannot be tracked. */
+export function trackableLabels(frame: number): number[] {
+  const { rows } = state.timeline.value;
+  const present = state.palette.value.filter(
+    ({ id, locked }) => !locked && hasPoints(rows.get(id), frame),
+  );
+  return present.map(({ id }) => id);
+}

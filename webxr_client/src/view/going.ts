@@ -5,6 +5,7 @@ import type { CloudFrame } from '../cloud/points/frame';
 import type { Viewer } from '../cloud/picture/viewer';
 import { placeOfLabel, type LabelPlace } from '../cloud/points/whereabouts';
 import type { DeskCamera } from './camera';
+import { hasPoints } from '../store/cells';
 import { notify, state, type TimelineRow } from '../store/state';
 
 /** The camera goes along with the active label. */
@@ -103,8 +104,7 @@ export class LabelNavigation {
 export function nearestWith(row: TimelineRow | undefined, from: number): number | null {
   if (!row) return null;
   for (let distance = 0; distance < row.points.length; distance++) {
-    for (const frame of [from - distance, from + distance])
-      if ((row.points[frame] ?? 0) > 0) return frame;
+    for (const frame of [from - distance, from + distance]) if (hasPoints(row, frame)) return frame;
   }
   return null;
 }

@@ -3,6 +3,7 @@ import { computed, signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import { focusedByKeys } from '../../common/focus';
 import { canEdit, state } from '../../store/state';
+import { followPointer } from '../parts/drag';
 import { listed, renaming, reordered, shownGroups } from '../../store/palette-list';
 
 /** The row that had the focus last. */
@@ -86,26 +87,15 @@ export function onRowDown(event: PointerEvent, id: number): void {
   if ((event.target as Element).closest('button, input')) return;
   const row = event.currentTarget as HTMLElement;
   const { clientY: start } = event;
-  // A fast drag leaves the row at once.
-  row.setPointerCapture(event.pointerId);
-  const abort = new AbortController();
-  const { signal } = abort;
-  const end = (): void => {
-    abort.abort();
-    dragged.value = null;
-  };
   const move = ({ clientY }: PointerEvent): void => {
     if (!dragged.peek() && Math.abs(clientY - start) < SLACK) return;
     dragged.value = { id, before: rowBelow(row, clientY) };
   };
-  const drop = (): void => {
+  followPointer(event, move, ({ type }) => {
     const at = dragged.peek();
-    end();
-    if (at) place(at.id, at.before);
-  };
-  row.addEventListener('pointermove', move, { signal });
-  row.addEventListener('pointerup', drop, { signal });
-  row.addEventListener('pointercancel', end, { signal });
+    dragged.value = null;
+    if (at && type === 'pointerup') place(at.id, at.before);
+  });
 }
 
 /** Return the label of the first row of this group with its middle below the pointer, or null. */

@@ -2,6 +2,7 @@
 import type { Signal } from '@preact/signals';
 import { doubtfulFrames } from '../../store/cells';
 import { state } from '../../store/state';
+import { followPointer } from '../parts/drag';
 import { clampSpan, pan, type Span, stretched } from './layout';
 
 /** Least number of frames for the bar; with fewer, each frame is wide enough. */
@@ -85,14 +86,8 @@ function drag(event: PointerEvent, span: Signal<Span>, frames: number): void {
         : event.clientX > right - GRIP
           ? 'last'
           : null;
-  const move = (moved: PointerEvent): void => {
+  followPointer(event, (moved) => {
     const by = (moved.clientX - event.clientX) * framesOfPixel;
     span.value = end ? stretched(began, by, end, frames) : pan(began, by, frames);
-  };
-  const abort = new AbortController();
-  const { signal } = abort;
-  bar.setPointerCapture(event.pointerId);
-  bar.addEventListener('pointermove', move, { signal });
-  for (const kind of ['pointerup', 'pointercancel'] as const)
-    bar.addEventListener(kind, () => abort.abort(), { signal });
+  });
 }

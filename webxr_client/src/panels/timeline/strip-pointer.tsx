@@ -8,7 +8,7 @@ import { clock, plural } from '../../common/format';
 import { type IconName } from '../../common/icons';
 import { MenuItem, Popover } from '../parts/popover';
 import { frameRange, ordered } from '../../store/range';
-import { cellKind, type CellKind } from '../../store/cells';
+import { cellKind, type CellKind, hasPoints } from '../../store/cells';
 
 const KIND_WORDS: Readonly<Record<CellKind, string>> = {
   none: 'not labelled',
@@ -126,24 +126,14 @@ function stretch(frame: number): readonly [number, number] {
   return range && frame >= range[0] && frame <= range[1] ? range : [frame, frame];
 }
 
-/** Whether a label has points in a frame. */
-function isIn(label: number, frame: number): boolean {
-  return (state.timeline.value.rows.get(label)?.points[frame] ?? 0) > 0;
-}
-
 function entries({ label, frame }: StripPlace, locked: boolean): readonly Entry[] {
   const [from, to] = stretch(frame);
   const cannot = locked || !canEdit.value;
   const last = (state.sequence.value?.frames ?? 1) - 1;
-  const busy = cannot || !isIn(label, frame) || trackingJob.value !== null;
+  const isIn = hasPoints(state.timeline.value.rows.get(label), frame);
+  const busy = cannot || !isIn || trackingJob.value !== null;
   const track = (stop: number): void =>
-    actions.tracking.track({
-      labels: [label],
-      start: frame,
-      stop,
-      method: 'auto',
-      overwrite: 'tracked',
-    });
+    actions.tracking.track({ labels: [label], start: frame, stop });
   const clears = from === to ? 'Clear here' : `Clear frames ${from} – ${to}`;
   return [
     { icon: 'target', text: 'Go there', disabled: false, run: () => actions.time.seek(frame) },

@@ -7,6 +7,7 @@ import { state } from '../../store/state';
 import { frameRange, type FrameRange } from '../../store/range';
 import { stripHover, stripPlace } from './strip-pointer';
 import { DARK_INK, drawTimeline, LIGHT_INK, type StripInk, type TimelineSizes } from './draw';
+import { followPointer } from '../parts/drag';
 import { RangeBar } from './range-bar';
 import { atNextPicture } from './next-picture';
 import { pan, reveal, xToFrame, zoom, type Span } from './layout';
@@ -118,7 +119,7 @@ export function Strips({ frames }: { frames: number }) {
         aria-valuemin={0}
         aria-valuemax={frames - 1}
         aria-valuenow={state.frame.value}
-        onPointerDown={(event) => drag(event, frameAt, rows, scroll.peek())}
+        onPointerDown={(event) => drag(event, frameAt, scroll.peek())}
         onDblClick={() => (frameRange.value = null)}
         onPointerMove={(event) => {
           if (event.pointerType === 'touch' || event.offsetX < GUTTER_NARROW) return;
@@ -199,24 +200,16 @@ function sizesOf({ width, height }: { width: number; height: number }): Timeline
 }
 
 /** One drag with the left button: on names choose, on the ruler scrub, on the strips a range. */
-function drag(
-  event: PointerEvent,
-  frameAt: (event: PointerEvent) => number,
-  rows: number,
-  scroll: number,
-): void {
+function drag(event: PointerEvent, frameAt: (event: PointerEvent) => number, scroll: number): void {
   if (event.button !== 0) return;
-  const element = event.currentTarget as HTMLCanvasElement;
   const start = frameAt(event);
   if (event.offsetX < GUTTER_NARROW) {
-    const row = Math.floor((event.offsetY - RULER) / ROW) + scroll;
-    const label = row >= 0 && row < rows ? shownLabels()[row] : undefined;
+    const label = labelAt(event.offsetY, scroll);
     if (label) actions.labels.selectLabel(label.id);
     return;
   }
   const scrubbing = event.offsetY < RULER;
   let range: FrameRange | null = null;
-  element.setPointerCapture(event.pointerId);
   if (scrubbing) actions.time.seek(start, true);
   const move = (moved: PointerEvent): void => {
     const frame = frameAt(moved);
@@ -227,13 +220,7 @@ function drag(
       frameRange.value = range;
     }
   };
-  const abort = new AbortController();
-  const up = (released: PointerEvent): void => {
-    abort.abort();
+  followPointer(event, move, (released) => {
     if (!range) actions.time.seek(frameAt(released));
-  };
-  const own = { signal: abort.signal };
-  element.addEventListener('pointermove', move, own);
-  element.addEventListener('pointerup', up, own);
-  element.addEventListener('pointercancel', up, own);
+  });
 }

@@ -4,6 +4,7 @@ import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { state } from '../../store/state';
 import { follow } from '../../store/watch';
+import { followPointer } from '../parts/drag';
 import { Choice } from '../parts/fields';
 import { Button } from '../parts/controls';
 import { Doubt } from './doubt';
@@ -189,16 +190,6 @@ function TimelineHandle() {
 
 function drag(event: PointerEvent): void {
   if (event.button !== 0) return;
-  const handle = event.currentTarget as HTMLElement;
   const began = height.peek();
-  const move = (moved: PointerEvent): void => setHeight(began + (event.clientY - moved.clientY));
-  const up = (): void => {
-    handle.removeEventListener('pointermove', move);
-    handle.removeEventListener('pointerup', up);
-    handle.removeEventListener('pointercancel', up);
-  };
-  handle.setPointerCapture(event.pointerId);
-  handle.addEventListener('pointermove', move);
-  handle.addEventListener('pointerup', up);
-  handle.addEventListener('pointercancel', up);
+  followPointer(event, (moved) => setHeight(began + (event.clientY - moved.clientY)));
 }

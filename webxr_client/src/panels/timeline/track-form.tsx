@@ -1,6 +1,7 @@
 /** Carrying labels through time: which, how far, how. */
 import { signal, useComputed } from '@preact/signals';
 import { useState } from 'preact/hooks';
+import { trackableLabels } from '../../store/palette-list';
 import { actions, type TrackRequest } from '../../store/actions';
 import { patch, state } from '../../store/state';
 import { Button, Check, Swatch } from '../parts/controls';
@@ -55,7 +56,7 @@ export function TrackForm() {
   const last = (state.sequence.value?.frames ?? 1) - 1;
   const [start, setStart] = useState(frameRange.peek()?.from ?? state.frame.peek());
   const [stop, setStop] = useState(frameRange.peek()?.to ?? last);
-  const available = useComputed(() => labelsIn(start)).value;
+  const available = useComputed(() => trackableLabels(start)).value;
   const [chosen, setChosen] = useState<ReadonlySet<number>>(() => initial(available));
   const labels = available.filter((id) => chosen.has(id));
   const submit = (event: Event): void => {
@@ -148,14 +149,6 @@ function Painted({ frame, labels, chosen, onChange }: PaintedProps) {
       ))}
     </fieldset>
   );
-}
-
-/** Labels with points in a frame, in the palette's order; locked ones cannot be tracked. */
-export function labelsIn(frame: number): number[] {
-  const { rows } = state.timeline.value;
-  return state.palette.value
-    .filter((label) => !label.locked && (rows.get(label.id)?.points[frame] ?? 0) > 0)
-    .map((label) => label.id);
 }
 
 function initial(available: readonly number[]): ReadonlySet<number> {

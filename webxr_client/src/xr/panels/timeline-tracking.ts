@@ -1,5 +1,6 @@
 /** The row below the timeline: track labels, watch the run, review uncertain results. */
 import { signal } from '@preact/signals';
+import { trackableLabels } from '../../store/palette-list';
 import { actions } from '../../store/actions';
 import { halted, namesOf, stretch, unsure } from '../../engine/review';
 import { frameRange, ordered } from '../../store/range';
@@ -154,16 +155,7 @@ function offer(row: Row, labels: readonly number[], frame: number): void {
 }
 
 function track(labels: number[], start: number, stop: number): void {
-  const { stopUnsure } = xrSettings.peek();
-  const method = 'auto';
-  actions.tracking.track({
-    labels,
-    start,
-    stop,
-    method,
-    overwrite: 'tracked',
-    stop_unsure: stopUnsure,
-  });
+  actions.tracking.track({ labels, start, stop, stop_unsure: xrSettings.peek().stopUnsure });
 }
 
 /** Track all labels of the frame rather than the active one. */
@@ -174,13 +166,4 @@ function trackable(frame: number): number[] {
   const present = trackableLabels(frame);
   const active = state.activeLabel.peek();
   return present.includes(active) && !all.peek() ? [active] : present;
-}
-
-/** Unlocked labels with points in a frame. */
-function trackableLabels(frame: number): number[] {
-  const { rows } = state.timeline.peek();
-  return state.palette
-    .peek()
-    .filter((label) => !label.locked && (rows.get(label.id)?.points[frame] ?? 0) > 0)
-    .map((label) => label.id);
 }
