@@ -15,6 +15,7 @@ import {
 import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/examples/jsm/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/examples/jsm/lines/LineSegmentsGeometry.js';
+import { parseColor } from '../common/colors';
 import { free } from '../common/free';
 import { HANDLES } from './grip';
 import { placeOn, type Shape, type Side } from './shape';
@@ -50,7 +51,7 @@ const CORNERS: readonly Corner[] = [0, 1, 2, 3, 4, 5, 6, 7].map((bits): Corner =
   bits & 4 ? 1 : -1,
 ]);
 /** Corners two and two, by the bits of their numbers. */
-const EDGES = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7];
+export const EDGES = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7];
 /** The front's corners as two triangles. */
 const FACE = [1, 3, 7, 1, 7, 5];
 
@@ -113,17 +114,15 @@ function gripsOf({ shape }: Drawn): Points<BufferGeometry, PointsMaterial> {
   return points;
 }
 
-function rgb(color: string): [number, number, number] {
-  const value = Number.parseInt(color.slice(1), 16);
-  const linear = (channel: number): number => (channel / 255) ** 2.2;
-  return [linear(value >> 16), linear((value >> 8) & 255), linear(value & 255)];
+function linearRgb(color: string): number[] {
+  return parseColor(color).map((channel) => (channel / 255) ** 2.2);
 }
 
 function wires(boxes: readonly Drawn[], dashed: boolean, chosen: boolean): LineSegments2 {
   const places = boxes.map(({ shape, headed }) => linesOf(shape, headed));
   const colours = boxes.flatMap(({ color, confidence }, i) => {
     const faint = 0.45 + 0.55 * confidence;
-    const mixed = rgb(color).map((channel) => channel * faint);
+    const mixed = linearRgb(color).map((channel) => channel * faint);
     return Array.from({ length: places[i]!.length / 3 }, () => mixed).flat();
   });
   const geometry = new LineSegmentsGeometry();

@@ -43,6 +43,11 @@ export function parseColor(color: string): Rgb {
   return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
 }
 
+/** 0..255 → two hexadecimal digits. */
+export function hexByte(value: number): string {
+  return Math.round(value).toString(16).padStart(2, '0');
+}
+
 function linear(channel: number): number {
   const value = channel / 255;
   return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
@@ -94,9 +99,7 @@ function fromOklab(lightness: number, a: number, b: number): string {
 function encoded(value: number): string {
   const within = Math.min(1, Math.max(0, value));
   const light = within <= 0.0031308 ? within * 12.92 : 1.055 * within ** (1 / 2.4) - 0.055;
-  return Math.round(light * 255)
-    .toString(16)
-    .padStart(2, '0');
+  return hexByte(light * 255);
 }
 
 /** Visible difference of two colours; 0 is the same. */

@@ -13,6 +13,7 @@ import {
   type Ray,
   Vector3,
 } from 'three';
+import { EDGES } from '../boxes/drawing';
 import { gizmo } from '../boxes/volume';
 import { clip } from '../tools/clip';
 import type { Viewer } from '../cloud/picture/viewer';
@@ -131,8 +132,6 @@ export class VolumeHandles {
 
 /** Pixels across a handle. */
 const SIZE = 10;
-/** Corners two and two, by the bits of their numbers: the twelve edges. */
-const EDGES = [0, 1, 2, 3, 4, 5, 6, 7, 0, 2, 1, 3, 4, 6, 5, 7, 0, 4, 1, 5, 2, 6, 3, 7];
 const MOST_HANDLES = 8;
 
 /** A box on screen: its edges, and the handles it is changed by. */

@@ -1,5 +1,6 @@
 /** Label id → colour and flags, as a texture: recolouring a label uploads nothing else. */
 import { DataTexture, NearestFilter, RGBAFormat, UnsignedByteType } from 'three';
+import { parseColor } from '../../common/colors';
 import type { Label } from '../../protocol/messages';
 
 const SIDE = 256;
@@ -51,17 +52,13 @@ export class PaletteTexture {
       this.data[i + 3] = FLAG_VISIBLE;
     }
     for (const label of labels) {
-      const rgb = Number.parseInt(label.color.slice(1), 16);
-      const at = label.id * 4;
       const visible = solo === null ? label.visible : solo === label.id;
-      this.data[at] = rgb >> 16;
-      this.data[at + 1] = (rgb >> 8) & 255;
-      this.data[at + 2] = rgb & 255;
-      this.data[at + 3] =
+      const flags =
         (visible ? FLAG_VISIBLE : 0) |
         (label.locked || !label.visible ? FLAG_SPARED : 0) |
         (label.visible ? 0 : FLAG_HIDDEN) |
         (unsure.includes(label.id) ? FLAG_UNSURE : 0);
+      this.data.set([...parseColor(label.color), flags], label.id * 4);
     }
     this.texture.needsUpdate = true;
   }
@@ -88,9 +85,7 @@ export class PaletteTexture {
 
   private paint(first: number, colors: readonly string[], flags: number, white = 0): void {
     colors.forEach((color, k) => {
-      const rgb = Number.parseInt(color.slice(1), 16);
-      const parts = [rgb >> 16, (rgb >> 8) & 255, rgb & 255];
-      const mixed = parts.map((part) => Math.round(part + (255 - part) * white));
+      const mixed = parseColor(color).map((part) => Math.round(part + (255 - part) * white));
       this.data.set([...mixed, flags], (first + k) * 4);
     });
     this.texture.needsUpdate = true;

@@ -1,5 +1,6 @@
 /** Colours of labels: their own, or by confidence or provenance in the frame on screen. */
 import { signal } from '@preact/signals';
+import { hexByte, parseColor } from '../../common/colors';
 import type { Label } from '../../protocol/messages';
 import { state, type TimelineRow } from '../../store/state';
 
@@ -19,13 +20,9 @@ export const looked = signal<((label: Label) => boolean) | null>(null);
 
 /** A colour between two, "#rrggbb". */
 export function mixed(from: string, to: string, share: number): string {
-  const part = (text: string, k: number): number =>
-    Number.parseInt(text.slice(1 + 2 * k, 3 + 2 * k), 16);
-  const parts = [0, 1, 2].map((k) => {
-    const value = part(from, k) * (1 - share) + part(to, k) * share;
-    return Math.round(value).toString(16).padStart(2, '0');
-  });
-  return `#${parts.join('')}`;
+  const end = parseColor(to);
+  const parts = parseColor(from).map((part, k) => part * (1 - share) + end[k]! * share);
+  return `#${parts.map(hexByte).join('')}`;
 }
 
 /** A confidence, 0 to 1, from red over yellow to green. */

@@ -2,7 +2,7 @@
  * Drawing of panels in the room: a canvas, and the places on it that answer to a ray.
  * Everything is drawn anew when something changed; places are noted while drawing.
  */
-import { inkOn } from '../../common/colors';
+import { hexByte, inkOn } from '../../common/colors';
 import { type IconName, ICONS } from '../../common/icons';
 import { ellipsis } from '../../panels/timeline/draw';
 
@@ -33,12 +33,7 @@ export const GLASS = { back: 0.9, raised: 0.08, rim: 0.34, veil: 0.3 } as const;
 
 /** A colour with an opacity, as the canvas takes it. */
 function veiled(color: string, opacity: number): string {
-  return (
-    color +
-    Math.round(255 * opacity)
-      .toString(16)
-      .padStart(2, '0')
-  );
+  return color + hexByte(255 * opacity);
 }
 
 export const RAISED = veiled('#ffffff', GLASS.raised);
