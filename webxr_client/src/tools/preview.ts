@@ -10,7 +10,7 @@ import { alongRay, inBox, inCapsule } from '../cloud/points/pick';
 import { DELETED } from '../cloud/points/piece';
 import { runsOf } from '../protocol/codec';
 import type { Brush, TouchedPoints } from '../protocol/messages';
-import type { Seen } from './seen';
+import { isDeleted, type Seen } from './seen';
 import { Touched } from './touched';
 
 /** Whether a label may not be changed. */
@@ -201,10 +201,6 @@ export class StrokePreview {
   drop(): void {
     for (const part of this.parts) part.drop();
   }
-}
-
-function isDeleted(label: number): boolean {
-  return label === DELETED;
 }
 
 interface AheadDeps {

@@ -6,6 +6,10 @@ import { state } from '../store/state';
 /** Whether points of a label value are seen. */
 export type Seen = (label: number) => boolean;
 
+export function isDeleted(label: number): boolean {
+  return label === DELETED;
+}
+
 export function seenIn(palette: PaletteTexture): Seen {
   return (label) => {
     if (label === DELETED) return false;

@@ -10,7 +10,7 @@ import { DELETED } from '../cloud/points/piece';
 import type { Viewer } from '../cloud/picture/viewer';
 import type { SequenceInfo } from '../protocol/messages';
 import { state } from '../store/state';
-import { seenIn, type Seen } from '../tools/seen';
+import { isDeleted, seenIn, type Seen } from '../tools/seen';
 
 export class Aim {
   /** Pixels of the canvas. */
@@ -120,8 +120,4 @@ export class Aim {
       .transpose()
       .toArray();
   }
-}
-
-function isDeleted(label: number): boolean {
-  return label === DELETED;
 }
