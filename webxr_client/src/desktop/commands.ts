@@ -12,6 +12,7 @@ import { pickFiles } from '../panels/importing/files';
 import { frameRange } from '../store/range';
 import { renaming } from '../store/palette-list';
 import { beginTour } from '../panels/tour-steps';
+import { OVERLAYS } from '../panels/stage/view-options';
 import { trackOpen } from '../panels/timeline/track-form';
 import {
   activeLabel,
@@ -162,12 +163,8 @@ const VIEW = [
     () => true,
   ),
   viewSwitch('hideUnlabeled', 'Only labeled points'),
-  viewSwitch('boxes', 'Boxes'),
-  viewSwitch('trails', 'Trails'),
-  viewSwitch('ghost', 'Ghost of the previous frame'),
-  viewSwitch('eyeDome', 'Depth shading'),
+  ...OVERLAYS.map(([name, what]) => viewSwitch(name, what)),
   viewSwitch('grid', 'Grid'),
-  viewSwitch('showDeleted', 'Deleted points'),
   colour('rgb', 'source colour', 'rgb'),
   colour('intensity', 'intensity', 'intensity'),
   colour('height', 'height'),

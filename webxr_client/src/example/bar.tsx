@@ -153,7 +153,7 @@ function ApplyForm() {
   return (
     <form onSubmit={submit}>
       <h2>Turn the prediction into labels</h2>
-      <RadioGroup label="Frames" class="segmented" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
+      <RadioGroup label="Frames" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
       <Slider label="Minimum confidence" value={least} min={0} max={1} shown={percent(least)} tip="Points with a lower confidence stay unlabeled" onInput={(value) => (chosenLeast.value = value)} />
       <Summary least={least} whole={reach.value === 'frame'} />
       <div class="form-end">

@@ -146,7 +146,7 @@ function Scopes() {
   return (
     <section class="stack">
       <h3>Search for doubts in</h3>
-      <RadioGroup label="Search for doubts in" class="segmented" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
+      <RadioGroup label="Search for doubts in" options={SCOPES} value={scope.value} onChoose={(chosen) => (scope.value = chosen)} />
     </section>
   ); // prettier-ignore
 }

@@ -107,7 +107,6 @@ function BrushOptions() {
       <Action />
       <RadioGroup
         label="Shape"
-        class="segmented"
         options={SHAPES}
         value={brush.shape}
         onChoose={(shape) => actions.tools.setShape(shape)}

@@ -105,7 +105,6 @@ function Look({ names: [one, other] }: Pick<PairProps, 'names'>) {
     <>
       <RadioGroup
         label="Show the labels of"
-        class="segmented"
         options={[
           { value: 'recording', label: 'Recording', tip: 'The labels of the recording' },
           { value: 'first', label: one, tip: `The labels of ${one}` },

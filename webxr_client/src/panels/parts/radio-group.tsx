@@ -13,18 +13,18 @@ export interface RadioOption<T> {
 
 interface RadioGroupProps<T> {
   label: string;
-  class: string;
+  class?: string;
   options: readonly RadioOption<T>[];
   value: T | null;
   onChoose: (value: T) => void;
 }
 
 export function RadioGroup<T extends string>(props: RadioGroupProps<T>) {
-  const { options, value } = props;
+  const { options, value, class: look = 'segmented' } = props;
   const usable = options.filter(({ disabled }) => disabled !== true);
   const stop = usable.find((option) => option.value === value) ?? usable[0];
   return (
-    <div class={props.class} role="radiogroup" aria-label={props.label} onKeyDown={moveFocus}>
+    <div class={look} role="radiogroup" aria-label={props.label} onKeyDown={moveFocus}>
       {options.map((option) => (
         <button
           key={option.value}

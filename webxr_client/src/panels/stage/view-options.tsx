@@ -93,7 +93,6 @@ function SurfaceOptions() {
   return (
     <RadioGroup
       label="Depth images"
-      class="segmented"
       options={SURFACES}
       value={state.view.value.surface}
       onChoose={(surface) => actions.view.setView({ surface })}
@@ -104,7 +103,7 @@ function SurfaceOptions() {
 const overlaysOpen = signal(false);
 
 /** Overlays: setting, name and purpose. */
-const OVERLAYS: readonly (readonly [
+export const OVERLAYS: readonly (readonly [
   'boxes' | 'trails' | 'ghost' | 'eyeDome' | 'showDeleted',
   string,
   string,
@@ -218,7 +217,6 @@ function RampOptions() {
     <>
       <RadioGroup
         label="Ramp"
-        class="segmented"
         options={RAMPS}
         value={ramp}
         onChoose={(name) => actions.view.setView({ ramp: name })}
