@@ -2,10 +2,7 @@
 import { signal } from '@preact/signals';
 import { api } from '../../net/rest';
 import type { Account, NewToken } from '../../protocol/values';
-import type { Me } from '../../store/types';
 import { attempt } from '../recordings/recordings';
-
-export type Role = Me['role'];
 
 /** null until the server has answered. */
 export const accounts = signal<readonly Account[] | null>(null);
