@@ -148,10 +148,10 @@ unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
 	@$(PYTEST) $(BY_FILE) --ignore tests/e2e $(MEASURE)
 
 # Kernels sum in an order of their own: what a rounding can change shows under another one.
+# Samples are the same under all kernels, as tests/samples/test_reproducible.py shows.
 kernel: $(STAMPS)/dev $(STAMPS)/loops  ## the tests of geometry with the BLAS kernel of an older processor
-	@echo "== pytest: samples, selection and tracking, BLAS kernel Nehalem"
-	@OPENBLAS_CORETYPE=Nehalem $(PYTEST) $(BY_FILE) tests/samples tests/selection tests/tracking \
-	  --ignore tests/samples/test_reproducible.py
+	@echo "== pytest: selection and tracking, BLAS kernel Nehalem"
+	@OPENBLAS_CORETYPE=Nehalem $(PYTEST) $(BY_FILE) tests/selection tests/tracking
 
 measure:  ## unit, and write the seconds of each file, which order them
 	@$(MAKE) --no-print-directory unit MEASURE=--measure

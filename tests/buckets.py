@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterator
+from functools import partial
 
 import boto3
 import pytest
 from moto.server import ThreadedMotoServer
 
 from pointbrush.jobs import worker
+from tests.forked import begin_worker_in
 
 _numbers = itertools.count()
 
@@ -34,8 +37,7 @@ def s3(s3_endpoint: str, monkeypatch: pytest.MonkeyPatch) -> str:
         "AWS_EC2_METADATA_DISABLED": "true",
     }.items():
         monkeypatch.setenv(name, value)
-    # Workers that are forked have the environment of before.
-    monkeypatch.setattr(worker, "START_METHOD", "spawn")
+    monkeypatch.setattr(worker, "_begin_worker", partial(begin_worker_in, dict(os.environ)))
     bucket = f"lab-{next(_numbers)}"
     boto3.client("s3").create_bucket(Bucket=bucket)
     return f"s3://{bucket}/recordings"

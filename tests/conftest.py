@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import httpx
 import pytest
 from httpx._config import DEFAULT_TIMEOUT_CONFIG
+from httpx._transports import default as transports
 from hypothesis import HealthCheck, settings
 
 from pointbrush.jobs import worker
@@ -28,6 +30,8 @@ settings.load_profile("short")
 # A call without a timeout of its own would give the server up after 5 s.
 for phase in ("connect", "read", "write", "pool"):
     setattr(DEFAULT_TIMEOUT_CONFIG, phase, PATIENCE)
+# Each client would read the certificates of this machine, which takes longer than a call.
+transports.create_ssl_context = cache(transports.create_ssl_context)
 
 # Workers of this process are forked, too; those of servers in processes of their own are spawned.
 worker.START_METHOD = FORKSERVER.get_start_method()

@@ -109,6 +109,13 @@ def run_here(
     sys.exit(main(list(arguments)))
 
 
+def begin_worker_in(environment: Mapping[str, str]) -> None:
+    """Begin a worker, which otherwise has the environment of the process that it is forked from."""
+    os.environ.clear()
+    os.environ.update(environment)
+    worker._begin_worker()
+
+
 def fork_workers() -> None:
     """Start this process's own fork server, for the workers of its jobs.
 

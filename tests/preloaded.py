@@ -29,11 +29,13 @@ LEFT = (".__main__", ".migrations.", "pointbrush.review")
 
 
 def import_everything() -> None:
-    """Import the modules of pointbrush, also the ones that it imports late."""
+    """Import the modules of pointbrush, also its late imports, and the client of S3."""
     for module in pkgutil.walk_packages(pointbrush.__path__, "pointbrush."):
         if not any(part in module.name for part in LEFT):
             with suppress(ImportError):
                 importlib.import_module(module.name)
+    with suppress(ImportError):
+        importlib.import_module("s3fs")
 
 
 def load_loops() -> None:

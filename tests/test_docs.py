@@ -17,7 +17,7 @@ import sys
 import tomllib
 import zipfile
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ from pointbrush.workspace import Workspace
 from tests import forked
 from tests.depth_camera import grey_pictures
 from tests.formats.test_bags import rosbag1
-from tests.serving import TOKEN, serving, surface
+from tests.serving import TOKEN, serving, settings_in, surface
 from tests.waiting import PATIENCE
 from tests.work.test_box_import import sustechpoints
 
@@ -60,7 +60,7 @@ SHELL = frozenset("&|;<>*?$`")
 POINTS = 400
 COLOUR_CAMERA = np.array([[30.0, 0, 32], [0, 30, 24], [0, 0, 1]])
 """K of a camera whose picture of 64 by 48 pixels shows the points."""
-SAMPLE_FRAMES = 3
+SAMPLE_FRAMES = 2
 
 
 @dataclass(frozen=True)
@@ -173,8 +173,7 @@ class Place:
 def place(tmp_path: Path, request: pytest.FixtureRequest) -> Place:
     """A place with the recordings and files that a page takes as given."""
     text = request.param.read_text()
-    settings = Settings(workspace=tmp_path / "workspace", token=TOKEN, workers=1)
-    settings = replace(settings, port=0, import_roots=str(tmp_path))
+    settings = settings_in(tmp_path, import_roots=str(tmp_path))
     frames = 90 if "89" in text else 3
     given = [
         name

@@ -66,6 +66,8 @@ class Person:
     fault: BaseException | None = None
     away: int = 0
     """Edits that were answered with 503."""
+    pause: float = 0.0
+    """Seconds between an answer and the next edit."""
 
     def work(self, url: str, stop: threading.Event) -> None:
         """Edit until the server is gone or ``stop`` is set."""
@@ -74,6 +76,7 @@ class Person:
             with kind(url, self.token) as talk:
                 while not stop.is_set():
                     self._one(talk)
+                    stop.wait(self.pause)
         except LOST:
             return
         except AwayError:  # as the socket was opened

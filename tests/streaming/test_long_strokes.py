@@ -17,7 +17,7 @@ from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer
 
-SAMPLES = 1_200
+SAMPLES = 600
 TURNS = 5
 """Turns that a long stroke takes at least, on any machine."""
 
@@ -94,7 +94,7 @@ def test_pings_are_answered_before_the_strokes_that_were_sent_ahead_of_them(serv
     async def scenario() -> None:
         async with viewer(served.url, served.token) as client:
             await client.open("wall", frame=0)
-            strokes = [await long_stroke(client, "ray") for _ in range(6)]
+            strokes = [await long_stroke(client, "ray") for _ in range(3)]
             pong = await client.socket.ping()
             heard = []
             client.on_message = heard.append

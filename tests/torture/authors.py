@@ -18,6 +18,8 @@ from tests.torture.framework import Tally
 from tests.waiting import eventually
 
 NAMES = ("ann", "bob", "cat", "dan", "eve", "fay")
+EDIT_PAUSE = 0.0
+"""Seconds between two edits of an author."""
 PAUSE = 0.1
 """Seconds between two attempts to reach a server."""
 FAR = 120.0
@@ -29,6 +31,8 @@ class Authors:
     def __init__(self, workspace: Path, seed: int, database: str = "") -> None:
         make_workspace(workspace)
         self.people = invite(workspace, seed, names=NAMES, database=database)
+        for one in self.people:
+            one.pause = EDIT_PAUSE
         self.replay = Replay(workspace, database)
 
     @property

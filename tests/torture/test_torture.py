@@ -1,10 +1,10 @@
-"""A short form of `make torture`: a round of the first scenario of most modules."""
+"""A short form of `make torture`: a round of the first scenario of most modules, at a slow pace."""
 
 from __future__ import annotations
 
 import pytest
 
-from tests.torture import scenarios
+from tests.torture import authors, scenarios
 from tests.torture.framework import SCENARIOS, run
 
 scenarios.load()
@@ -30,7 +30,8 @@ SHORT = sorted({*MORE, *(name for module, name in FIRST.items() if module not in
 
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("name", SHORT)
-def test_nothing_is_lost(name: str) -> None:
+def test_nothing_is_lost(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(authors, "EDIT_PAUSE", 0.1)
     row = run(SCENARIOS[name], SECONDS, seed=1)
     if row.skipped:
         pytest.skip(row.skipped)

@@ -5,14 +5,11 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 from uuid import uuid4
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, Phase, given, settings
-from hypothesis import strategies as st
 
 from pointbrush.formats import EXPORTS
 from pointbrush.labels import Label
@@ -21,33 +18,19 @@ from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 
-NAMES = st.text("abcäö汽 /_-.0'\"#", min_size=1, max_size=30).filter(str.strip)
+HOSTILE = [
+    ("car", "car"), ("car", "car"), ("tree", ""), ("void", "unlabeled"), ("x" * 200, "y" * 200),
+    ("b/a ä'\"#", "汽/-.0 ö"), (" _.", ""), ("0", "\"a b'"),
+]  # fmt: skip
+"""Names and categories of labels that exports have trouble with."""
 INSTANCES = 300
 FIRST = 1
 """Number in the name of the first file: frames do not count from it."""
-OBJECTS = INSTANCES + 9
+OBJECTS = INSTANCES + len(HOSTILE)
 OWNER = np.repeat(np.arange(OBJECTS + 1), 6)
 """Object of each point, 0 for scenery."""
 SPACING = 3.0
 """Metres between the objects' centres, which are half a metre wide: boxes do not overlap."""
-
-
-@dataclass(frozen=True)
-class Hostile:
-    """A palette that exports have trouble with: ``labels`` are (name, category); ``deleted``: so
-    are some points."""
-
-    labels: list[tuple[str, str]]
-    deleted: bool
-
-
-@st.composite
-def hostile(draw: st.DrawFn) -> Hostile:
-    drawn = draw(st.lists(st.tuples(NAMES, NAMES | st.just("")), min_size=1, max_size=4))
-    fixed = [
-        ("car", "car"), ("car", "car"), ("tree", ""), ("void", "unlabeled"), ("x" * 200, "y" * 200),
-    ]  # fmt: skip
-    return Hostile(fixed + drawn, draw(st.booleans()))
 
 
 @pytest.fixture(scope="module")
@@ -72,10 +55,10 @@ def copies(tmp_path_factory: pytest.TempPathFactory) -> Callable[[], Path]:
     return copy
 
 
-def painted(workspace: Workspace, which: Hostile) -> None:
-    """Label the objects of both frames; labels of one category with 300 instances among them."""
+def painted(workspace: Workspace) -> None:
+    """Label the objects of both frames, 300 instances of a category too, and delete some points."""
     workspace.labels.taxonomy.put([Category(60_000, "unlabeled", datasets={"semantickitti": 0})])
-    wanted = which.labels + [(f"pin {number}", "pin") for number in range(1, INSTANCES + 1)]
+    wanted = HOSTILE + [(f"pin {number}", "pin") for number in range(1, INSTANCES + 1)]
     labels = [
         Label(number, name, category, default_color(number))
         for number, (name, category) in enumerate(wanted, start=1)
@@ -94,10 +77,9 @@ def painted(workspace: Workspace, which: Hostile) -> None:
         workspace.annotations.put("scan", frame, label, author="ann")
     workspace.labels.update_label("scan", "ann", ids[0], locked=True)
     workspace.labels.update_label("scan", "ann", ids[2], visible=False)
-    if which.deleted:
-        deleted = np.zeros(len(OWNER), np.bool_)
-        deleted[[0, 7, 11]] = True
-        workspace.annotations.put("scan", 1, deleted, layer="deleted", author="ann")
+    deleted = np.zeros(len(OWNER), np.bool_)
+    deleted[[0, 7, 11]] = True
+    workspace.annotations.put("scan", 1, deleted, layer="deleted", author="ann")
 
 
 Told = tuple[str, str]
@@ -123,20 +105,10 @@ def by_category(found: Iterable[tuple[Told, frozenset[int]]]) -> set[frozenset[i
 @pytest.mark.parametrize(
     "kind", sorted(k for k, made in EXPORTS.items() if not (made.whole_boxes or made.pictures))
 )
-@settings(
-    max_examples=2,
-    deadline=None,
-    suppress_health_check=list(HealthCheck),
-    derandomize=True,
-    phases=[Phase.generate],
-)
-@given(which=hostile())
-def test_an_export_comes_back_into_a_copy(
-    copies: Callable[[], Path], kind: str, which: Hostile
-) -> None:
+def test_an_export_comes_back_into_a_copy(copies: Callable[[], Path], kind: str) -> None:
     one = copies()
     with closing(Workspace(Settings(workspace=one))) as workspace:
-        painted(workspace, which)
+        painted(workspace)
         workspace.export("scan", kind, one / "out")
         before = [sorted(told(workspace, frame), key=repr) for frame in range(2)]
     with closing(Workspace(Settings(workspace=copies()))) as again:

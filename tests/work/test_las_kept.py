@@ -10,8 +10,8 @@ import laspy
 import numpy as np
 import pytest
 
-from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import settings_in
 from tests.waiting import PATIENCE
 
 SHARED = Path(__file__).parents[3] / "shared" / "formats" / "las"
@@ -27,7 +27,7 @@ REAL = (
 
 def through(tmp_path: Path, source: Path, kind: str) -> laspy.LasData:
     """Import a file, label some points, export it."""
-    with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
+    with closing(Workspace(settings_in(tmp_path))) as workspace:
         job = workspace.runner.wait(workspace.imports.begin([source]).id, PATIENCE)
         assert job.state == "done", job.error
         assert job.result is not None
@@ -125,7 +125,7 @@ def test_the_classification_is_labels_when_asked_for(tmp_path: Path) -> None:
     las.X = las.Y = las.Z = np.arange(100, dtype=np.int32)
     las.classification = np.repeat([1, 2, 6, 64], 25).astype(np.uint8)
     las.write(tmp_path / "a.las")
-    with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as workspace:
+    with closing(Workspace(settings_in(tmp_path))) as workspace:
         job = workspace.runner.wait(workspace.imports.begin([tmp_path / "a.las"]).id, PATIENCE)
         assert job.result is not None
         sequence = job.result["sequence"]

@@ -54,7 +54,7 @@ def distorted(xyz: NDArray[np.floating]) -> NDArray[np.floating]:
     return np.hstack([tangents * (1 + 0.08 * square) * xyz[:, 2:], xyz[:, 2:]])
 
 
-@pytest.mark.parametrize("kept", [1, 16])
+@pytest.mark.parametrize("kept", [4, 16])
 @pytest.mark.parametrize("kind", ["tabletop", "juggling", "walking", "view"])
 def test_a_depth_camera_without_a_lattice_is_one(tmp_path: Path, kind: str, kept: int) -> None:
     frame = imported(ply(tmp_path / "kinect.ply", distorted(camera_points(kind))[::kept]))

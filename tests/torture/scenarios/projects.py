@@ -37,7 +37,7 @@ PLACES = {"red": 1234.5, "blue": 4321.5, "default": 0.5}
 """Coordinate x of all points, by project."""
 CLASS = {"category": "stone"}
 """Of labels; all people of a workspace see its classes, which labels without one become."""
-CALLS_OF_A_ROUND = 150
+CALLS_OF_A_ROUND = 100
 PAUSE = 0.05
 """Seconds between two edits of the second recording."""
 FRAMES = 2
