@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import random
 import socket
+from contextlib import suppress
+
+PORTS = range(15_000, 32_000)
+"""Below the ports that the system gives to connections and to servers that ask for any."""
 
 
 def free_port() -> int:
     """Find a port that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    for port in random.SystemRandom().sample(PORTS, len(PORTS)):
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
+    raise OSError(f"expected a free port of {PORTS}")
 
 
 def listening(port: int) -> bool:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from serving import TOKEN, add_sequence
+from waiting import PATIENCE
 
 from pointbrush.client import Client, Recording
 from pointbrush.errors import PointbrushError
@@ -77,7 +78,7 @@ def sample(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sample]:
         yield Sample(url, folder / "juggling", [truth[::THINNED] for truth in made.truth])
     finally:
         server.terminate()
-        server.communicate(timeout=30)
+        server.communicate(timeout=PATIENCE)
 
 
 def install(plugin: str, folder: Path) -> None:
