@@ -28,7 +28,8 @@ FORKSERVER.set_forkserver_preload(
     [
         *("pointbrush.cli", "pointbrush.web.server", "alembic.command", "pytest"),
         *("psycopg", "sqlalchemy.dialects.postgresql.psycopg", "scipy.sparse.csgraph"),
-        "tests.preloaded",
+        *("httpx", "anyio._backends._asyncio", "uvicorn.loops.uvloop", "uvicorn.lifespan.on"),
+        *("idna.core", "tests.preloaded", "tests.e2e.server"),
     ]
 )
 
