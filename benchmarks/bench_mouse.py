@@ -308,7 +308,7 @@ def work_on(browser: Browser, workspace: Path, scene: Scene, way: str) -> None:
             if desk.complaints:
                 raise RuntimeError(f"the page complained: {desk.complaints}")
         finally:
-            desk.context.close()
+            desk.close()
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 import viser
 from bench_streaming import kinect
 
-from tests.e2e.server import free_port
+from tests.ports import free_port
 
 
 def main() -> None:

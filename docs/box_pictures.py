@@ -102,7 +102,7 @@ def take(browser: Browser, folder: Path, save: Callable[[Desk, str], None]) -> N
         desk.page.locator(".box-view.top svg").wait_for()
         desk.page.wait_for_timeout(1500)
         save(desk, "desk-boxes")
-        desk.context.close()
+        desk.close()
 
 
 def _eye(desk: Desk, x: float, y: float, z: float) -> str:

@@ -136,7 +136,7 @@ def first_minute(browser: Browser, page: str) -> Image.Image:
     hold(headset)
     headset.until("hs.tips('right').length > 0")
     shown = look(headset)
-    headset.context.close()
+    headset.close()
     return shown
 
 
@@ -186,4 +186,4 @@ def take(server: Served, browser: Browser, target: Path, dust: int, place: list[
     hold(headset)
     headset.move("left", LOW)
     save(look(headset), target / "headset-doll.jpg")
-    headset.context.close()
+    headset.close()

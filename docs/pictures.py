@@ -229,7 +229,7 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     newcomer.page.get_by_role("button", name="Next").click()
     newcomer.page.get_by_role("button", name="Next").click()
     save(newcomer, "desk-tour")
-    newcomer.context.close()
+    newcomer.close()
 
     server.put(0, truth)
     server.track(sorted(set(truth.tolist()) - {0}))
@@ -253,7 +253,7 @@ def take(server: Server, browser: Browser, recording: Recording) -> int:
     desk.page.get_by_role("button", name="Work").click()
     last = OPTIONS.frames - 1
     by_example(desk, server, recording.truth[last], recording.frames[last].xyz)
-    desk.context.close()
+    desk.close()
     return dust
 
 

@@ -35,7 +35,7 @@ def take(browser: Browser, folder: Path, save: Callable[[Desk, str], None]) -> N
         tasks(desk, save)
         agreement(desk, save)
         home(desk, save)
-        desk.context.close()
+        desk.close()
 
 
 def _work(api: httpx.Client, address: str, workspace: Path, made: TrueTraffic) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import socket
 from contextlib import suppress
+from functools import cache
 
 PORTS = range(15_000, 32_000)
 """Below the ports that the system gives to connections and to servers that ask for any."""
@@ -17,6 +18,12 @@ def free_port() -> int:
             probe.bind(("127.0.0.1", port))
             return port
     raise OSError(f"expected a free port of {PORTS}")
+
+
+@cache
+def kept_port() -> int:
+    """Return a port for this process's servers, one after the other."""
+    return free_port()
 
 
 def listening(port: int) -> bool:

@@ -81,7 +81,7 @@ def open_desk(
     for number, desk in enumerate(desks):
         if request.session.testsfailed and not desk.page.is_closed():
             desk.screenshot(f"{request.node.name}-{number}")
-        desk.context.close()
+        desk.close()
     assert [desk.complaints for desk in desks] == [[] for _ in desks]
 
 
@@ -107,7 +107,7 @@ def headset(browser: Browser, server: LiveServer, palette: dict[str, str]) -> It
     worn.until("pb.state.activeLabel.value === 1")
     worn.enter()
     yield worn
-    worn.context.close()
+    worn.close()
     assert worn.complaints == []
 
 
@@ -125,7 +125,7 @@ def put_on(browser: Browser, server: LiveServer) -> Iterator[Wear]:
     server.create_label(SEQUENCE, "person", "#ff5d5d")
     yield one
     for headset in worn:
-        headset.context.close()
+        headset.close()
         assert headset.complaints == []
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from playwright.sync_api import Browser
 
-from tests.e2e.chromium import UNDRAWN
-from tests.e2e.desk import Desk
+from tests.e2e.chromium import TOUR_LEFT, UNDRAWN
+from tests.e2e.desk import SIZE, Desk, blank_page
 
 IWER = (
     Path(__file__).parents[2] / "webxr_client" / "node_modules" / "iwer" / "build" / "iwer.min.js"
@@ -89,6 +89,8 @@ def runtime(device: str, haptics: str = "Quest Browser") -> str:
 class Headset(Desk):
     """A desk whose page runs in a headset; poses are given in the headset's own space."""
 
+    hooks = Desk.hooks + "const hs = window.__pointbrushHeadset;"
+
     bare = False
     """Hands without controllers are what is moved: a pinch stands for the trigger."""
 
@@ -104,19 +106,14 @@ class Headset(Desk):
         self.page.get_by_role("button", name="Enter VR").click()
         self.until("hs.headset.cockpit && hs.frames() > 2")
 
-    def ask(self, expression: str) -> Any:
-        """The value of an expression over ``pb``, ``hs`` (the headset's hook) and ``device``."""
-        script = (
-            "() => { const pb = window.__pointbrush, hs = window.__pointbrushHeadset; "
-            f"return ({expression}); }}"
-        )
-        text = self.page.evaluate(f"JSON.stringify(({script})()) ?? 'null'")
-        return json.loads(text)
-
     def frames(self, count: int = 2) -> None:
         """Let some pictures pass: what a test sets arrives with the next one."""
-        seen = self.ask("hs.frames()")
-        self.until(f"hs.frames() >= {seen + count}")
+        self.act("", count)
+
+    def act(self, action: str, count: int = 2) -> None:
+        """Run statements in the page, and let some pictures pass."""
+        first = f"{self.hooks} const seen = hs.frames(); {action};"
+        self.until(f"hs.frames() >= seen + {count}", first=first)
 
     def hides_model(self, panel: str) -> bool:
         """Whether a panel is before the recording's box, or behind it, for the eyes."""
@@ -148,24 +145,22 @@ class Headset(Desk):
     def move(self, hand: str, at: list[float], to: list[float] | None = None) -> None:
         """Hold a controller at a place, pointing to another one (ahead, if none is given)."""
         x, y, z = at
-        target = to or [x, y, z - 1.0]
-        self.ask(
-            f"""(() => {{
-              const c = device.{"hands" if self.bare else "controllers"}.{hand};
-              const [x, y, z] = {json.dumps(at)}, [tx, ty, tz] = {json.dumps(target)};
-              c.position.set(x, y, z);
-              const d = [tx - x, ty - y, tz - z], n = Math.hypot(...d);
-              const yaw = Math.atan2(-d[0], -d[2]), pitch = Math.asin(d[1] / n);
-              const [cy, sy] = [Math.cos(yaw / 2), Math.sin(yaw / 2)];
-              const [cp, sp] = [Math.cos(pitch / 2), Math.sin(pitch / 2)];
-              c.quaternion.set(cy * sp, sy * cp, -sy * sp, cy * cp);
-            }})()"""
-        )
-        self.frames()
+        self.act(self.posing(hand, json.dumps(at), json.dumps(to or [x, y, z - 1.0])))
+
+    def posing(self, hand: str, at: str, to: str) -> str:
+        """Return the statements that hold a controller at ``at``, pointing to ``to``."""
+        return f"""
+            const c = device.{"hands" if self.bare else "controllers"}.{hand};
+            const [x, y, z] = {at}, [tx, ty, tz] = {to};
+            c.position.set(x, y, z);
+            const d = [tx - x, ty - y, tz - z], n = Math.hypot(...d);
+            const yaw = Math.atan2(-d[0], -d[2]), pitch = Math.asin(d[1] / n);
+            const [cy, sy] = [Math.cos(yaw / 2), Math.sin(yaw / 2)];
+            const [cp, sp] = [Math.cos(pitch / 2), Math.sin(pitch / 2)];
+            c.quaternion.set(cy * sp, sy * cp, -sy * sp, cy * cp)"""
 
     def trigger(self, value: float, hand: str = "right") -> None:
-        self.ask(self.pressing(value, hand))
-        self.frames()
+        self.act(self.pressing(value, hand))
 
     def pressing(self, value: float, hand: str = "right") -> str:
         """Return the expression that presses the trigger, or pinches."""
@@ -182,12 +177,10 @@ class Headset(Desk):
     def button(self, name: str, hand: str = "right") -> None:
         """Press and let go."""
         for value in (1, 0):
-            self.ask(f"device.controllers.{hand}.updateButtonValue('{name}', {value})")
-            self.frames()
+            self.act(f"device.controllers.{hand}.updateButtonValue('{name}', {value})")
 
     def lean(self, x: float, y: float, hand: str = "right", pad: str = "thumbstick") -> None:
-        self.ask(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
-        self.frames()
+        self.act(f"device.controllers.{hand}.updateAxes('{pad}', {x}, {y})")
 
     def flick(self, x: float, y: float, hand: str = "right", pad: str = "thumbstick") -> None:
         """Push for a single picture: held longer, as by a slow machine, it would run."""
@@ -206,41 +199,34 @@ class Headset(Desk):
         self.for_a_picture(begin, end)
 
     def for_a_picture(self, begin: str, end: str) -> None:
-        """Evaluate ``begin``, and ``end`` right behind the next picture."""
-        self.page.evaluate(
-            f"""async () => {{
-              const hs = window.__pointbrushHeadset, seen = hs.frames();
-              {begin};
-              while (hs.frames() === seen) await new Promise((done) => setTimeout(done));
-              {end};
-            }}"""
+        """Run the statements ``begin``, and ``end`` right behind the next picture."""
+        self.act(
+            f"""{begin};
+            while (hs.frames() === seen) await new Promise((done) => setTimeout(done));
+            {end}""",
+            3,
         )
-        self.frames()
 
     def hand_to(self, hand: str, point: list[float]) -> None:
         """Bring the place where a bare hand pinches to a point of the headset's space."""
-        for _ in range(3):
-            self.frames()
-            self.ask(
-                f"""(() => {{
-                  const tip = hs.headset.cockpit.painter.tip.clone();
-                  hs.headset.cockpit.rig.group.worldToLocal(tip);
-                  const [x, y, z] = {json.dumps(point)}, at = device.hands.{hand}.position;
-                  at.set(at.x + x - tip.x, at.y + y - tip.y, at.z + z - tip.z);
-                }})()"""
-            )
         self.frames()
+        for _ in range(3):
+            self.act(
+                f"""const tip = hs.headset.cockpit.painter.tip.clone();
+                hs.headset.cockpit.rig.group.worldToLocal(tip);
+                const [x, y, z] = {json.dumps(point)}, at = device.hands.{hand}.position;
+                at.set(at.x + x - tip.x, at.y + y - tip.y, at.z + z - tip.z)"""
+            )
 
     # ── what people do ───────────────────────────────────────────────────────────────────
 
     def set_radius(self, metres: float) -> None:
-        self.ask(f"(pb.state.brush.value = {{ ...pb.state.brush.value, radius: {metres} }})")
-        self.frames()
+        self.act(f"pb.state.brush.value = {{ ...pb.state.brush.value, radius: {metres} }}")
 
     def reach(self, point: list[float], hand: str = "right") -> None:
         """Bring the ball's middle to a point of the recording (source coordinates)."""
-        x, y, z = self.ask(f"hs.place({json.dumps(point)})")
-        self.move(hand, [x, y, z + self.ask("hs.tipAhead()")])
+        at = f"(([x, y, z]) => [x, y, z + hs.tipAhead()])(hs.place({json.dumps(point)}))"
+        self.act(self.posing(hand, at, "[x, y, z - 1]"))
 
     def paint(self, points: list[list[float]], *, release: bool = True) -> None:
         self.reach(points[0])
@@ -262,8 +248,8 @@ class Headset(Desk):
     def click(self, panel: str, name: str, hand: str = "right") -> None:
         """Point at something on a panel by its name, and press."""
         self.call(panel, hand)
-        self.page.wait_for_timeout(80)
-        self.until(f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})")
+        there = f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})"
+        self.until(f"!hs.headset.cockpit.panels.{panel}.dirty && {there}")
         self.point_at(panel, name, 0.5, hand)
         self.trigger(1, hand)
         self.trigger(0, hand)
@@ -284,8 +270,8 @@ class Headset(Desk):
         self.point(panel, area["x"] + area["w"] * share, area["y"] + area["h"] / 2, hand)
 
     def point(self, panel: str, u: float, v: float, hand: str = "right") -> None:
-        place = self.ask(f"hs.onPanel('{panel}', {u}, {v})")
-        self.move(hand, place["out"], place["at"])
+        place = f"const place = hs.onPanel('{panel}', {u}, {v});"
+        self.act(place + self.posing(hand, "place.out", "place.at"))
 
     def flick_to_frame(self, frame: int) -> None:
         self.ask(f"pb.engine.playback.seek({frame})")
@@ -305,7 +291,7 @@ def wear(
     browser: Browser,
     url: str,
     device: str = QUEST,
-    size: tuple[int, int] = (1280, 720),
+    size: tuple[int, int] = SIZE,
     haptics: str = "Quest Browser",
     *,
     drawn: bool = False,
@@ -315,8 +301,9 @@ def wear(
 
     ``newcomer``: a person who has not been led through the first minute.
     """
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]})
-    context.add_init_script(runtime(device, haptics) + ("" if drawn else UNDRAWN))
+    scripts = [runtime(device, haptics), TOUR_LEFT]
+    if not drawn:
+        scripts.append(UNDRAWN)
     if not newcomer:
-        context.add_init_script(GUIDED)
-    return Headset(context, url)
+        scripts.append(GUIDED)
+    return Headset(blank_page(browser, url), url, scripts, size)

@@ -22,7 +22,7 @@ from pointbrush.web import server as web_server
 from pointbrush.work.objects.preparing import StateFiles, prepare_file
 from pointbrush.workspace import Workspace
 from tests.forked import FORKSERVER, run_here
-from tests.ports import free_port
+from tests.ports import kept_port
 from tests.waiting import PATIENCE
 
 TOKEN = "end-to-end-token-of-the-owner"
@@ -58,12 +58,15 @@ def _complete(workspace: Path) -> None:
 
 
 class LiveServer:
-    """``pointbrush serve`` on one port; started, killed and started again."""
+    """``pointbrush serve``; started, killed and started again.
+
+    All servers of a process have one port, so that browsers keep the page's files in their caches.
+    """
 
     def __init__(self, workspace: Path, **environment: str) -> None:
         self.workspace = workspace
         self.environment = environment
-        self.port = free_port()
+        self.port = kept_port()
         self.token = TOKEN
         self.log = workspace.parent / f"{workspace.name}.log"
         self._process: BaseProcess | None = None

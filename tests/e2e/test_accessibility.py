@@ -45,7 +45,7 @@ def quiet_window(browser: Browser, url: str) -> Iterator[Desk]:
         window.until("window.__pointbrushHeadset !== undefined")
         yield window
     finally:
-        window.context.close()
+        window.close()
     assert window.complaints == []
 
 
@@ -165,7 +165,7 @@ def test_no_view_has_a_fault(browser: Browser, server: LiveServer) -> None:
     window = launch(browser, f"{server.url}/?token=wrong")
     expect(window.page.get_by_role("alert")).to_be_visible()
     found += faults(window.page, "refused")
-    window.context.close()
+    window.close()
     assert found == []
 
 

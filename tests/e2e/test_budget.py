@@ -23,7 +23,7 @@ def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
     worn.enter()
     worn.ask("pb.setDrawing(true)")
     yield worn
-    worn.context.close()
+    worn.close()
     assert worn.complaints == []
 
 

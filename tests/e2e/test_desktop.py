@@ -308,12 +308,12 @@ def test_strokes_survive_a_closed_window(server: LiveServer, open_desk: Open, tr
     eventually(lambda: desk.page.evaluate(KEPT_EDITS))
     desk.page.close()
     server.start()
-    desk.page = desk.context.new_page()
-    desk.page.goto(server.page_url)
-    desk.ready()
-    desk.settled()
+    again = Desk(desk.context.new_page(), server.page_url)
+    again.ready()
+    again.settled()
     assert painted(server, 0, 1) > 5
     desk.complaints.clear()
+    assert again.complaints == []
 
 
 def test_a_wrong_token_is_said_plainly(open_desk: Open, server: LiveServer) -> None:

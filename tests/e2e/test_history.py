@@ -42,7 +42,7 @@ def test_a_second_tab_of_one_browser_takes_back_the_strokes_of_the_first(
     assert painted(server, 0) == one
 
     # The printed URL again signs in anew.
-    tab = Desk(desk.context, server.page_url)
+    tab = Desk(desk.context.new_page(), server.page_url)
     tab.ready()
     tab.press("Control+z")
     tab.until("pb.labels()[1] === undefined")
@@ -62,7 +62,7 @@ def test_undo_goes_on_after_a_restart_with_another_token(
     server.token = "the token of another start"
     server.start()
 
-    again = Desk(desk.context, server.page_url)
+    again = Desk(desk.context.new_page(), server.page_url)
     again.ready()
     again.press("Control+z")
     again.until("pb.labels()[1] === undefined")

@@ -26,7 +26,7 @@ def desk(browser: Browser, server: LiveServer) -> Iterator[Desk]:
     window.ask("pb.setDrawing(false)")
     window.until("pb.state.sequence.value !== null")
     yield window
-    window.context.close()
+    window.close()
     assert window.complaints == []
 
 

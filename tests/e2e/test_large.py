@@ -90,7 +90,7 @@ def large(scan: Path, browser: Browser) -> Iterator[tuple[Desk, LiveServer]]:
     live.create_label(SEQUENCE, "mound", "#ff5d5d")
     desk = launch(browser, live.page_url)
     yield desk, live
-    desk.context.close()
+    desk.close()
     live.stop()
     assert desk.complaints == []
 
@@ -105,7 +105,7 @@ def worn(scan: Path, tmp_path: Path, browser: Browser) -> Iterator[tuple[Headset
     live.create_label(SEQUENCE, "mound", "#ff5d5d")
     headset = wear(browser, live.page_url)
     yield headset, live
-    headset.context.close()
+    headset.close()
     live.stop()
     assert headset.complaints == []
 

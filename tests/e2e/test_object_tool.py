@@ -98,7 +98,7 @@ def test_while_its_loops_compile_the_tool_says_so_and_the_wheel_does_not_zoom(
         desk.page.mouse.wheel(0, -300)
         desk.page.keyboard.up("Control")
         desk.until(f"{eye}.some((metres, axis) => metres !== {before}[axis])")
-        desk.context.close()
+        desk.close()
     finally:
         server.stop()
 
@@ -277,5 +277,5 @@ def test_frames_of_no_point_of_one_and_of_five_million(browser: Browser, tmp_pat
         assert server.annotation("odd", 2).tolist() == [label]
         assert desk.complaints == []
     finally:
-        desk.context.close()
+        desk.close()
         server.stop()

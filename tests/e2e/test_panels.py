@@ -37,7 +37,7 @@ def desk(browser: Browser, server: LiveServer) -> Iterator[Desk]:
     window.until("pb.state.palette.value.length === 2")
     window.until("document.getElementById('toolbar').childElementCount > 0")
     yield window
-    window.context.close()
+    window.close()
     assert window.complaints == []
 
 
@@ -279,7 +279,7 @@ def test_keys_of_ones_own_are_a_persons_in_every_browser(
                 desk.press("v")
         row = dialog.locator("dl > div", has=desk.page.get_by_text("Loop", exact=True))
         expect(row.locator("dd")).to_have_text("V")
-        desk.context.close()
+        desk.close()
 
 
 def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: LiveServer) -> None:
@@ -323,7 +323,7 @@ def test_the_tour_leads_a_newcomer_and_comes_once(browser: Browser, server: Live
     page.locator("#view").focus()
     window.press("Escape")
     expect(card).to_have_count(0)
-    window.context.close()
+    window.close()
     assert window.complaints == []
 
 
@@ -460,7 +460,7 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         window.until("pb.state.sequence.value?.frames === 2")
         expect(window.page.get_by_text("A label stands for one object")).to_be_visible()
         by_keys_alone(window, server)
-        window.context.close()
+        window.close()
         assert window.complaints == []
     finally:
         server.stop()

@@ -86,5 +86,5 @@ def test_a_plan_hides_a_ceiling_and_no_roof(browser: Browser, server: LiveServer
     assert TILE.label is not None
     assert (labels == 1).sum() > 10
     assert (TILE.label[labels == 1] == BUILDING).all()
-    desk.context.close()
+    desk.close()
     assert desk.complaints == []

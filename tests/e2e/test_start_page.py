@@ -85,4 +85,4 @@ def test_thousands_of_recordings_are_searched_sorted_and_opened(
     menu.locator(".menu-item", has_text="r0777").click()
     desk.until("pb.state.sequence.value?.id === 'r0777'")
     assert desk.complaints == []
-    desk.context.close()
+    desk.close()

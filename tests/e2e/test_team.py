@@ -63,7 +63,7 @@ def test_a_lead_gives_work_compares_it_returns_it_and_exports_it(
         assert lead.complaints == ada.complaints == []
     finally:
         for desk in filter(None, (lead, ada)):
-            desk.context.close()
+            desk.close()
 
 
 def project(lead: Desk, server: LiveServer) -> None:

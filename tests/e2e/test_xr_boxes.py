@@ -30,7 +30,7 @@ def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
     worn.ready()
     worn.enter()
     yield worn
-    worn.context.close()
+    worn.close()
     assert worn.complaints == []
 
 

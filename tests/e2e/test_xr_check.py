@@ -70,7 +70,7 @@ def check(browser: Browser, server: LiveServer) -> Iterator[Check]:
 
     yield enter
     for headset in worn:
-        headset.context.close()
+        headset.close()
         assert headset.complaints == []
 
 

@@ -467,7 +467,7 @@ def test_the_first_minute_is_finished_by_doing_what_it_says(
         "pb.state.notices.value.some(({ title }) => title === 'That was the first minute')"
     )
     assert json.loads(headset.ask("localStorage['pointbrush.headset']"))["guide"] is False
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []
 
 
@@ -486,5 +486,5 @@ def test_the_first_minute_is_skipped_and_called_again(browser: Browser, server: 
     headset.click("palette", "Comfort")
     headset.click("palette", "First minute")
     headset.until("hs.taught() === 'paint' && hs.areas('added').length > 0")
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []

@@ -285,5 +285,5 @@ def test_panels_take_little_room_until_they_are_called(
     check_words(headset, "palette")
     if name in DOUBTING:
         check_doubt(headset, server, begin)
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []

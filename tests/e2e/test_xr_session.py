@@ -158,7 +158,7 @@ def test_a_ray_is_two_pixels_wide_at_least(browser: Browser, server: LiveServer)
     )
     headset.frames(3)
     shown = Image.open(BytesIO(headset.page.screenshot())).convert("L")
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []
     bright = np.asarray(shown, dtype=float) > 60
     # Across what is rather level it is measured in columns.

@@ -279,7 +279,7 @@ def test_enters_with_the_real_room_in_sight(browser: Browser, server: LiveServer
     assert headset.ask("pb.engine.viewer.renderer.xr.getSession().environmentBlendMode") != ""
     # The sky must not hide the room.
     assert headset.ask("pb.engine.viewer.backdrop.group.children[0].visible") is False
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []
 
 

@@ -116,5 +116,5 @@ def test_hands_palette_and_the_far_end_of_a_street_are_seen(
     # The street goes on to its end: its colour is in the picture, walls meet far ahead.
     magenta = (without[..., 0] > 90) & (without[..., 1] < 60) & (without[..., 2] > 90)
     assert magenta.mean() > 0.01
-    headset.context.close()
+    headset.close()
     assert headset.complaints == []
