@@ -18,7 +18,7 @@ BY_FILE := -n 3 --dist loadfile --no-loadscope-reorder --ignore tests/release
 # Tests start hundreds of processes: each would compile every module anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo serve test quick quickest checks lint types check-page unit kernel measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
+.PHONY: demo serve test quick quickest checks lint types check-page types-page lint-page test-page unit kernel measure e2e torture bench lowest release-check docs pictures format setup page system peers box-readers clean
 .DEFAULT_GOAL := demo
 
 demo:  ## sample recording in a browser, on loopback
@@ -54,14 +54,19 @@ $(STAMPS)/loops: $(STAMPS)/stale-loops $(addprefix server/pointbrush/work/,loops
 	@$(BIN)/python -m pointbrush.work.prepare
 	@touch $@
 
+# Installs the packages of an extra alone: while pip installs pointbrush, nothing can import it.
+PACKAGES := import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]
+extra = $(BIN)/python -c '$(PACKAGES)["$(1)"], sep="\n")' > $(STAMPS)/$(1).txt \
+  && $(BIN)/python -m pip install --quiet -c constraints.txt -r $(STAMPS)/$(1).txt
+
 $(STAMPS)/dev: $(STAMPS)/runtime
 	@echo "== Python packages for tests and checks"
-	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[dev]'
+	@$(call extra,dev)
 	@touch $@
 
 $(STAMPS)/docs: $(STAMPS)/runtime
 	@echo "== Python packages for the documentation"
-	@$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[docs]'
+	@$(call extra,docs)
 	@touch $@
 
 $(STAMPS)/node: $(STAMPS)/nodejs webxr_client/package-lock.json
@@ -101,14 +106,13 @@ peers: box-readers
 box-readers: $(STAMPS)/dev  ## read exported boxes anew by nuscenes-devkit and av2
 	@$(BIN)/python -m tests.box_readers
 
-CHECKS := types check-page lint
+CHECKS := lint-page types lint test-page types-page
 
 # Set-up and checks go side by side as far as they can: some wait for the network, some compute.
 # The parts of the tests go one after the other: pages that share two cores with two other
 # runners miss their deadlines.
 test:  ## every check and every test; the runner's line comes last
-	@$(MAKE) --no-print-directory --output-sync --jobs 2 system $(STAMPS)/dev
-	@$(MAKE) --no-print-directory --output-sync --jobs 3 $(STAMPS)/loops $(PAGE) $(CHECKS)
+	@$(MAKE) --no-print-directory --output-sync --jobs 3 $(STAMPS)/loops system $(PAGE) $(CHECKS)
 	@$(MAKE) --no-print-directory unit
 	@$(MAKE) --no-print-directory kernel
 	@$(MAKE) --no-print-directory e2e
@@ -137,10 +141,18 @@ types: $(STAMPS)/dev
 	@echo "== mypy"
 	@$(BIN)/mypy
 
-check-page: $(STAMPS)/node $(STAMPS)/dev
-	@echo "== tsc, eslint, dependency-cruiser, prettier, vitest"
+check-page: types-page lint-page test-page
+
+types-page: $(STAMPS)/node
+	@echo "== tsc"
 	@$(NPM) run --silent check
+
+lint-page: $(STAMPS)/node
+	@echo "== eslint, dependency-cruiser, prettier"
 	@$(NPM) run --silent lint
+
+test-page: $(STAMPS)/node $(STAMPS)/dev
+	@echo "== vitest"
 	@$(NPM) run --silent test
 
 unit: $(STAMPS)/dev $(STAMPS)/loops $(PAGE) system
