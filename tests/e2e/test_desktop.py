@@ -31,9 +31,15 @@ Open = Callable[..., Desk]
 # ── time ─────────────────────────────────────────────────────────────────────────────────────
 
 
-def test_plays_pauses_and_steps(desk: Desk) -> None:
+def test_plays_ends_without_loop_pauses_and_steps(desk: Desk) -> None:
+    # Playing does not wait for points: none of a later frame is here yet.
+    desk.press("l")
     desk.press("Space")
-    desk.until("pb.state.playing.value && pb.state.frame.value >= 2")
+    desk.until("!pb.state.playing.value && pb.state.frame.value === 5")
+    desk.until("pb.shown().frame === 5 && pb.shown().points === pb.shown().total")
+    desk.press("l")
+    desk.press("Space")
+    desk.until("pb.state.playing.value && pb.state.frame.value < 5")
     before = desk.ask("pb.counters().pictures")
     desk.until(f"pb.counters().pictures > {before + 3}")
     desk.press("Space")
@@ -46,14 +52,14 @@ def test_plays_pauses_and_steps(desk: Desk) -> None:
     desk.until("pb.shown().points === pb.shown().total")
 
 
-def test_playing_does_not_wait_for_points_and_ends_without_loop(desk: Desk) -> None:
-    desk.press("l")
-    desk.press("Space")
-    desk.until("!pb.state.playing.value && pb.state.frame.value === 5")
-    desk.until("pb.shown().frame === 5 && pb.shown().points === pb.shown().total")
-
-
-def test_scrubs_on_the_timeline(desk: Desk) -> None:
+def test_every_point_arrives_once_by_steps_and_on_the_timeline(
+    desk: Desk, server: LiveServer
+) -> None:
+    points = server.request("GET", f"sequences/{SEQUENCE}").json()["points"]
+    for frame in range(3):
+        desk.until(f"pb.shown().frame === {frame} && pb.shown().points === {points[frame]}")
+        assert sum(desk.labels(frame).values()) == points[frame]
+        desk.press("ArrowRight")
     box = desk.page.locator("#timeline canvas").first.bounding_box()
     assert box is not None
     y = box["y"] + 10
@@ -63,14 +69,6 @@ def test_scrubs_on_the_timeline(desk: Desk) -> None:
     desk.page.mouse.up()
     desk.until("pb.state.frame.value === 5 && pb.shown().frame === 5")
     desk.until("pb.shown().points === pb.shown().total")
-
-
-def test_every_point_arrives_once(desk: Desk, server: LiveServer) -> None:
-    points = server.request("GET", f"sequences/{SEQUENCE}").json()["points"]
-    for frame in range(3):
-        desk.until(f"pb.shown().frame === {frame} && pb.shown().points === {points[frame]}")
-        assert sum(desk.labels(frame).values()) == points[frame]
-        desk.press("ArrowRight")
 
 
 # ── painting ─────────────────────────────────────────────────────────────────────────────────
@@ -158,24 +156,23 @@ def test_a_locked_label_keeps_its_points(desk: Desk, server: LiveServer, truth: 
     desk.until(f"pb.labels()[1] === {kept}")
 
 
-def test_lasso_takes_what_is_inside(desk: Desk, server: LiveServer, truth: Truth) -> None:
+def test_fill_takes_the_region_under_the_cursor_and_a_lasso_what_is_inside(
+    desk: Desk, server: LiveServer, truth: Truth
+) -> None:
     name_person(desk, server)
-    desk.press("o")
     x, y, z = truth(0, PERSON)
+    desk.press("k")
+    desk.paint([[x, y, z]])
+    desk.settled()
+    shows_paint(desk, server, 50)
+    desk.press("Control+z")
+    desk.settled()
+    assert painted(server, 0) == 0
+    desk.press("o")
     r = 0.25
     desk.paint([[x - r, y - r, z], [x + r, y - r, z], [x + r, y + r, z], [x - r, y + r, z]])
     desk.settled()
     shows_paint(desk, server, 200)
-
-
-def test_fill_takes_the_region_under_the_cursor(
-    desk: Desk, server: LiveServer, truth: Truth
-) -> None:
-    name_person(desk, server)
-    desk.press("k")
-    desk.paint([truth(0, PERSON)])
-    desk.settled()
-    shows_paint(desk, server, 50)
 
 
 # ── faults ───────────────────────────────────────────────────────────────────────────────────
@@ -353,14 +350,14 @@ def test_a_link_to_a_recording_that_is_gone_leads_to_the_list(
 def test_a_lost_graphics_context_is_told_and_comes_back(
     open_desk: Open, server: LiveServer, truth: Truth
 ) -> None:
-    desk = open_desk(drawn=True)
+    desk = open_desk(width=960, height=540, drawn=True)
     name_person(desk, server)
     paint_person(desk, truth)
     desk.page.get_by_role("button", name="Frames", exact=True).click()
     desk.page.get_by_role("button", name="All frames").click()
     desk.until("pb.engine.viewer.laid > 0")
     desk.press("Escape")
-    desk.page.mouse.move(640, 5)
+    desk.page.mouse.move(480, 5)
     shown = "[pb.shown(), pb.engine.viewer.laid, pb.labels()]"
     before = json.dumps(desk.ask(shown), separators=(",", ":"))
     # Returns the picture, and the share of its pixels that changed since the last call.

@@ -4,29 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
-
 from tests.e2e.desk import Desk
 from tests.e2e.headset import Headset
 from tests.e2e.recording import PERSON, SEQUENCE, Truth, name_person, painted
 from tests.e2e.server import LiveServer
 
 
-@pytest.mark.parametrize("shape", ["b", "o"])
-def test_escape_gives_a_stroke_or_lasso_up(
-    desk: Desk, server: LiveServer, truth: Truth, shape: str
-) -> None:
+def test_escape_gives_a_stroke_or_lasso_up(desk: Desk, server: LiveServer, truth: Truth) -> None:
     name_person(desk, server)
     edits = len(server.request("GET", f"sequences/{SEQUENCE}/edits").json())
-    desk.press(shape)
     x, y, z = truth(0, PERSON)
-    desk.paint([[x, y, z], [x + 0.1, y, z], [x + 0.1, y + 0.2, z]], release=False)
-    desk.press("Escape")
-    desk.page.mouse.up()
-    desk.settled()
-    desk.pictures()
-    assert desk.labels().get(1, 0) == 0
-    assert len(server.request("GET", f"sequences/{SEQUENCE}/edits").json()) == edits
+    for shape in ("b", "o"):
+        desk.press(shape)
+        desk.paint([[x, y, z], [x + 0.1, y, z], [x + 0.1, y + 0.2, z]], release=False)
+        desk.press("Escape")
+        desk.page.mouse.up()
+        desk.settled()
+        desk.pictures()
+        assert desk.labels().get(1, 0) == 0
+        assert len(server.request("GET", f"sequences/{SEQUENCE}/edits").json()) == edits
 
 
 def test_a_step_ends_the_stroke_of_the_frame_before(

@@ -25,7 +25,7 @@ def enter_anew(headset: Headset, before: str) -> None:
     headset.until("hs.headset.cockpit && hs.frames() > 2")
 
 
-def test_a_session_begins_though_the_rate_is_never_answered_and_asks_for_wanted_hands(
+def test_a_session_begins_without_a_rate_asks_for_wanted_hands_and_reverses_depth(
     put_on: Wear,
 ) -> None:
     headset = put_on()
@@ -48,9 +48,6 @@ def test_a_session_begins_though_the_rate_is_never_answered_and_asks_for_wanted_
     assert "local-floor" in headset.ask("window.asked[1]")
     assert "layers" not in headset.ask("window.asked[1]")
 
-
-def test_reversed_depth_is_told_to_the_session(put_on: Wear) -> None:
-    headset = put_on()
     headset.ask("(pb.engine.viewer.reversible = true, pb.setDrawing(true), null)")
     near, far = "session.renderState.depthNear", "session.renderState.depthFar"
     session = "const session = pb.engine.viewer.renderer.xr.getSession();"
