@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from tests.e2e.conftest import DATA
-from tests.e2e.headset import QUEST, VIVE, Wear
+from tests.e2e.headset import Wear
 from tests.e2e.recording import SEQUENCE
 from tests.e2e.server import LiveServer
 from tests.e2e.test_example import PREDICTED, paint_a_little
@@ -23,11 +22,8 @@ def most_labelled(server: LiveServer) -> float:
     return max(float((labels > 0).mean()) for labels in frames)
 
 
-@pytest.mark.parametrize("device", [QUEST, VIVE], ids=["quest", "vive"])
-def test_the_palette_teaches_asks_and_applies(
-    put_on: Wear, server: LiveServer, device: str
-) -> None:
-    headset = put_on(device)
+def test_the_palette_teaches_asks_and_applies(put_on: Wear, server: LiveServer) -> None:
+    headset = put_on()
     with np.load(DATA / "0000.npz") as arrays:
         truth = arrays["truth"]
     paint_a_little(server, {"people": truth > 0, "room": truth == 0})

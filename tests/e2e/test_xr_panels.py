@@ -99,11 +99,11 @@ def by_gaze(headset: Headset, panel: str) -> None:
 
 
 DEVICES = {
-    "quest": (QUEST, (960, 480), hold, by_ray),
-    "one wand": (VIVE, (960, 480), with_one_wand, by_ray),
-    "hands": (QUEST, (960, 480), with_hands, by_ray),
-    "look and pinch": (QUEST, (960, 480), eyes_alone, by_press("transient-pointer")),
-    "gaze": (QUEST, (960, 480), eyes_alone, by_gaze),
+    "quest": (QUEST, (640, 320), hold, by_ray),
+    "one wand": (VIVE, (640, 320), with_one_wand, by_ray),
+    "hands": (QUEST, (640, 320), with_hands, by_ray),
+    "look and pinch": (QUEST, (640, 320), eyes_alone, by_press("transient-pointer")),
+    "gaze": (QUEST, (640, 320), eyes_alone, by_gaze),
     "touch": (PHONE, (400, 640), eyes_alone, by_press("screen")),
 }
 
