@@ -20,9 +20,9 @@ from typing import Any
 import pytest
 from distributed import LocalCluster
 
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.jobs import worker
-from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Channel, DaskExecutor, brief_logs
 from pointbrush.workspace import Workspace

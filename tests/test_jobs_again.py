@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Channel
 from pointbrush.sequences import verify

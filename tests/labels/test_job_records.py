@@ -13,7 +13,7 @@ from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 from waiting import eventually
 
 from pointbrush.database.database import Limits
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.teamwork.store import WorkspaceStore
 
 LOCKED = "SELECT id FROM jobs WHERE id = %s FOR UPDATE NOWAIT"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
+from pointbrush.database.job import Job
 from pointbrush.errors import UnavailableError
-from pointbrush.jobs.job import Job
 from pointbrush.labels import Write
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore

@@ -15,8 +15,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from pointbrush.database.job import Job
 from pointbrush.errors import UnavailableError
-from pointbrush.jobs.job import Job
 from pointbrush.labels import effect
 from pointbrush.streaming import hub as hub_module
 from pointbrush.streaming import outbox, sender

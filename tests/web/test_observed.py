@@ -14,7 +14,7 @@ import yaml
 from prometheus_client import CollectorRegistry
 from waiting import eventually
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.web.logs import JsonFormatter
 from tests.faults.clients import SocketTalk

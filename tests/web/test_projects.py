@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 
 from pointbrush.client import AsyncClient, Client
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError, ConflictError, ForbiddenError, NotFoundError
-from pointbrush.jobs.job import Job
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
 from tests.streaming.client import viewer
 

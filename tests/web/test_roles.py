@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from pointbrush.accounts.roles import ROLES, includes
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.web.app import create_app

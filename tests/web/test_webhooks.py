@@ -17,8 +17,8 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
+from pointbrush.database.job import Job
 from pointbrush.errors import ForbiddenError
-from pointbrush.jobs.job import Job
 from pointbrush.teamwork import delivering, webhooks
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.tasks import Stretch

@@ -12,8 +12,8 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.commands.following import follow
+from pointbrush.database.job import Job
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
-from pointbrush.jobs.job import Job
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.fitting.cars import SIZE, seen

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.job_registry import JobRegistry

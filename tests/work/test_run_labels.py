@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pointbrush.database.job import Job
 from pointbrush.frame import PointFrame
-from pointbrush.jobs.job import Job
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.work.events import Event, Provisional
 from pointbrush.workspace import Workspace

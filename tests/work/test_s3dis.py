@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pointbrush.database.job import Job
 from pointbrush.formats.tables.corrections import Corrections
-from pointbrush.jobs.job import Job
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE

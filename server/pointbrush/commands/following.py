@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from pointbrush.database.job import ENDED
 from pointbrush.errors import CancelledError, PointbrushError
-from pointbrush.jobs.job import ENDED
 
 if TYPE_CHECKING:
     from pointbrush import client
-    from pointbrush.jobs import job
+    from pointbrush.database import job
 
 TICK = 0.1
 """Seconds between two polls."""

@@ -15,7 +15,7 @@ from pointbrush.values.exports import ExportFormat
 
 if TYPE_CHECKING:
     from pointbrush.accounts.people import Account
-    from pointbrush.jobs.job import Job
+    from pointbrush.database.job import Job
     from pointbrush.values.classifiers import Classifier
     from pointbrush.values.imports import Preview
     from pointbrush.values.recordings import Manifest

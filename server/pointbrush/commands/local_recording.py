@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from pointbrush.values.team.review import Agreement
 
 if TYPE_CHECKING:
+    from pointbrush.database.job import Job
     from pointbrush.geometry.oriented_box import OrientedBox
-    from pointbrush.jobs.job import Job
     from pointbrush.sequences import Manifest as StoredManifest
     from pointbrush.values.labels import Label as CountedLabel
     from pointbrush.values.people import FoundPeople

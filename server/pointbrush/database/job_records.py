@@ -12,11 +12,11 @@ from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, sele
 
 from pointbrush.database.database import Database
 from pointbrush.database.guards import given_up, host
+from pointbrush.database.job import Job
 from pointbrush.database.lost_answers import write_once
 from pointbrush.database.schema import jobs, works
 from pointbrush.database.statements import insert
 from pointbrush.errors import ConflictError
-from pointbrush.jobs.job import Job
 
 STALE_SECONDS = 30.0
 """Time without a heartbeat after which a job's server counts as ended."""

@@ -1,41 +1,19 @@
-"""The public state of a job, and the states of a process's jobs."""
+"""The states of a process's jobs."""
 
 from __future__ import annotations
 
 import threading
-import time
-import uuid
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Protocol
 
+from pointbrush.database.job import ENDED, Job
 from pointbrush.errors import NotFoundError
-from pointbrush.values import jobs as values
-from pointbrush.values.jobs import JobState
 
-ENDED: tuple[JobState, ...] = ("done", "failed", "cancelled")
 MESSAGE = "message"
 """Key of a result that becomes the ended job's message."""
 KEPT_JOBS = 1000
 """Limit of ended jobs in memory; the oldest are removed first."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Job(values.Job):
-    """State of one job; a new value at every change."""
-
-    id: str = field(default_factory=lambda: str(uuid.uuid4()))
-    sequence: str | None = None
-    state: JobState = "queued"
-    progress: float = 0.0
-    message: str = ""
-    result: dict[str, Any] | None = None
-    error: str | None = None
-    created: float = field(default_factory=time.time)
-    edit: str | None = None
-    """Id of the edit that it makes, if any."""
-    request: Mapping[str, Any] | None = None
-    """Request that restarts it after its server has ended, as JSON; None: not restartable."""
 
 
 class JobStorage(Protocol):

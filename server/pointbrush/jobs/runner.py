@@ -19,8 +19,9 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, Listener
 from typing import Any
 
+from pointbrush.database.job import ENDED, Job
 from pointbrush.errors import CancelledError, ConflictError, NotFoundError, UnavailableError
-from pointbrush.jobs.job import ENDED, MESSAGE, Job, KnownJobs
+from pointbrush.jobs.job import MESSAGE, KnownJobs
 from pointbrush.jobs.worker import (
     DisconnectedError,
     Work,

@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 import anyio
 import anyio.to_thread
 
+from pointbrush.database.job import Job
 from pointbrush.errors import NotFoundError, PointbrushError, UnavailableError
-from pointbrush.jobs.job import Job
 from pointbrush.labels import Commit
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode

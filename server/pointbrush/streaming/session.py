@@ -16,6 +16,7 @@ from typing import Any, get_args
 from pointbrush import __version__
 from pointbrush.accounts.accounts import MARK, OWNER, require_name
 from pointbrush.accounts.roles import require
+from pointbrush.database.job import Job
 from pointbrush.errors import (
     BadInputError,
     NotFoundError,
@@ -24,7 +25,6 @@ from pointbrush.errors import (
     UnauthorizedError,
     UnavailableError,
 )
-from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.edits import LONG_BYTES, Edit, Editor
 from pointbrush.streaming.encoding import check, decode, encode, unpack

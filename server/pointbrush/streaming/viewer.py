@@ -8,8 +8,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Iterable, Sequence
 from typing import Protocol
 
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError, PointbrushError
-from pointbrush.jobs.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.load import Load

@@ -14,7 +14,7 @@ from typing import Any
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.labels import Commit
 from pointbrush.web.problems import LONGEST_PATH
 from pointbrush.work.events import Event

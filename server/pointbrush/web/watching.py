@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from fastapi.concurrency import run_in_threadpool
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.labels import Commit
 from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.labels import Commit
 from pointbrush.work.loops.compiling import Progress, StepName
 

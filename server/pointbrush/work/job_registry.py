@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pointbrush.database.job import ENDED, Job
 from pointbrush.database.job_records import STALE_SECONDS, JobRecord, TaskPatch
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError, UnavailableError
-from pointbrush.jobs.job import ENDED, Job
 from pointbrush.jobs.runner import JobRunner
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.work.annotate.strokes import edit_id

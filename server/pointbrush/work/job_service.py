@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, TypeVar
 
-from pointbrush.jobs.job import Job
+from pointbrush.database.job import Job
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Work
 from pointbrush.labels import Commit

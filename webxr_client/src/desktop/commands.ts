@@ -5,9 +5,8 @@
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
 import { signOut } from '../engine/people/sign-out';
-import { exportOpen } from '../panels/export-menu';
 import { historyOpen } from '../panels/history-menu';
-import { commandsOpen, helpOpen } from '../panels/parts/popover';
+import { commandsOpen, helpOpen, exportOpen } from '../panels/parts/popover';
 import { pickFiles } from '../panels/importing/files';
 import { frameRange } from '../store/range';
 import { renaming } from '../store/palette-list';

@@ -12,9 +12,8 @@ import { ExportFormats } from './export-formats';
 import { ChoiceRow } from './parts/fields';
 import { Button } from './parts/controls';
 import { frameRange, ordered } from '../store/range';
-import { PopoverButton } from './parts/popover';
+import { exportOpen, PopoverButton } from './parts/popover';
 
-export const exportOpen = signal(false);
 const onlyRange = signal(true);
 /** Frames for validation in formats for training: a range, "none", or empty for the default. */
 const validation = signal('');

@@ -179,7 +179,7 @@ def _chances(
         looks.append(_look(picture, group, look, margin))
         if not options.nobody <= looks[0][0] <= options.somebody:
             break
-    return np.mean(looks, axis=0)
+    return np.asarray(np.mean(looks, axis=0))
 
 
 def _look(picture: DepthPicture, group: list[Surface], look: Look, margin: float) -> list[float]:

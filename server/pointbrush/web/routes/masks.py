@@ -10,13 +10,6 @@ from fastapi import Depends, Header, Path, Query, Request, Response
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.cameras.mask_images import (
-    MOST_BYTES,
-    Mask,
-    draw_mask,
-    read_mask,
-    write_mask,
-)
 from pointbrush.streaming.messages import Uuid
 from pointbrush.values.masks import MOST_BYTES, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.web import npy
@@ -109,7 +102,7 @@ def get_mask(
     A PNG with an index and the colours of labels; 255 (transparent): no point is seen there.  If a
     label id is over 254: 16-bit grey, in which no point is 65535.
     """
-    from pointbrush.formats.cameras.mask_images import write_mask  # loads Pillow
+    from pointbrush.formats.cameras.mask_images import draw_mask, write_mask  # loads Pillow
 
     mask, revision = workspace.masks.mask_of(seq, i, camera)
     colors = {label.id: label.color for label in workspace.labels.palette(seq)}

@@ -18,13 +18,13 @@ from starlette.requests import HTTPConnection
 
 from pointbrush.accounts.accounts import OWNER, Token, digest_of
 from pointbrush.accounts.roles import ROLES, Role, require
+from pointbrush.database.job import Job
 from pointbrush.errors import (
     ForbiddenError,
     NotFoundError,
     TooManyRequestsError,
     UnauthorizedError,
 )
-from pointbrush.jobs.job import Job
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
 from pointbrush.web.context import known_query

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.fitting import (
     FitOptions,
@@ -18,7 +19,7 @@ from pointbrush.fitting import (
     priors_of,
 )
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
-from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Commit, Label, LabelStore

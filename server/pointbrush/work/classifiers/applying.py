@@ -13,8 +13,9 @@ from pointbrush.classify.classifier import Classifier, from_file, to_file
 from pointbrush.classify.features import Described, ExampleFrame, describe
 from pointbrush.classify.models import Model, Models
 from pointbrush.classify.smoothing import Chances, point_classes
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError
-from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore, Write

@@ -7,10 +7,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError
 from pointbrush.formats import Limits
 from pointbrush.geometry.oriented_box import OrientedBox
-from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import Receiver
 from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette

@@ -9,9 +9,9 @@ from functools import partial
 from typing import Any, TypeVar
 
 from pointbrush.database.guards import Guard
+from pointbrush.database.job import Job
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import NotFoundError, PointbrushError
-from pointbrush.jobs.job import Job
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Work
 from pointbrush.names import require_visible

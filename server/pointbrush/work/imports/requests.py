@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
+from pointbrush.database.job import ENDED, Job
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.timing import natural_key
-from pointbrush.jobs.job import ENDED, Job
 from pointbrush.work.job_request import JobRequest
 
 UPLOAD = "upload"

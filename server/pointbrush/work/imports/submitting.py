@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pointbrush import formats
+from pointbrush.database.job import Job
 from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import (
     ConflictError,
@@ -15,7 +16,6 @@ from pointbrush.errors import (
     ReadOnlyError,
     UnavailableError,
 )
-from pointbrush.jobs.job import Job
 from pointbrush.lazy import once
 from pointbrush.names import composed
 from pointbrush.sequences import Manifest

@@ -14,7 +14,8 @@ from pointbrush.masks.people.persons import find_persons
 from pointbrush.masks.people.picture import depth_picture, points_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
-from pointbrush.work.masks.views import LATTICE, camera_names, lattice_pixels
+from pointbrush.values.masks import LATTICE
+from pointbrush.work.masks.views import camera_names, lattice_pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,9 +51,8 @@ def people_in(
     if found is None or stored.rgb is None:
         return []
     (width, height), pixel = found
-    number = np.full(width * height, -1, np.int32)
-    number[pixel] = np.arange(stored.count)
-    number = number.reshape(height, width)
+    number = np.full((height, width), -1, np.int32)
+    number.ravel()[pixel] = np.arange(stored.count)
     eye = np.zeros(3) if stored.viewpoint is None else stored.viewpoint
     T = recording.manifest.T_room_local
     picture = depth_picture(number, stored.xyz, stored.rgb, eye, T, _pitch(stored), options.columns)

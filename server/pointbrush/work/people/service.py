@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.database.job import Job
 from pointbrush.errors import BadInputError
-from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore, Write

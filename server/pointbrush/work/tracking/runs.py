@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pointbrush.database.guards import TRACKING, Guard
-from pointbrush.jobs.job import MESSAGE, Job
+from pointbrush.database.job import Job
+from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.tracking import FrameResult
 from pointbrush.work.events import Provisional, Retracted

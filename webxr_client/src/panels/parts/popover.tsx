@@ -176,3 +176,4 @@ function keys(event: KeyboardEvent, box: HTMLElement, close: () => void): void {
 /** Popovers that more than one place opens. */
 export const helpOpen = signal(false);
 export const commandsOpen = signal(false);
+export const exportOpen = signal(false);

@@ -1,8 +1,8 @@
 /** Bar at the bottom of the canvas: the found people, and the next step with them. */
 import { leavePeople, peopleOffer, peopleStep } from '../../engine/find-people';
 import { Icon } from '../../common/icons';
-import { exportOpen } from '../export-menu';
 import { Button, Swatch } from '../parts/controls';
+import { exportOpen } from '../parts/popover';
 
 export function PeopleBar() {
   const offer = peopleOffer.value;
