@@ -19,7 +19,7 @@ from pointbrush.selection.objects import (
     candidates,
     prepare,
 )
-from pointbrush.selection.objects.options import CellOptions, LadderOptions
+from pointbrush.selection.objects.options import CellOptions
 from pointbrush.selection.objects.weights import FILE, load_weights, save_weights
 from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
 
@@ -350,10 +350,6 @@ def test_bad_input_is_refused(
         prepare(ObjectFrame(frame.xyz, frame.rgb[:-1] if frame.rgb is not None else None))
     with pytest.raises(BadInputError, match="sensor: expected one of camera, lidar, room"):
         prepare(ObjectFrame(frame.xyz, sensor="sonar"))  # type: ignore[arg-type]
-    with pytest.raises(BadInputError, match="closest: expected a ratio below 1"):
-        LadderOptions(closest=1.5).check()
-    with pytest.raises(BadInputError, match="size: expected a number above 0"):
-        prepare(frame, ObjectOptions(cells=CellOptions(size=-1)))
 
 
 def test_without_a_positive_click_nothing_is_offered(

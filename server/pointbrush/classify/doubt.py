@@ -49,7 +49,6 @@ def doubts(
     example.  ``open_`` (C,): cells that may be asked about; ``taught`` (n, F): features that
     were learnt from.
     """
-    options.check()
     points = np.flatnonzero(open_[place.of_point])
     if not len(points):
         return []

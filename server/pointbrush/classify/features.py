@@ -126,7 +126,6 @@ def scale_of(xyz: NDArray[np.floating], options: FeatureOptions) -> float:
 def describe(frame: ExampleFrame, size: float, options: FeatureOptions) -> Described:
     """Return a frame's cells of ``size`` metres and their features.  Raises BadInputError."""
     frame.check()
-    options.check()
     xyz = np.ascontiguousarray(frame.xyz, np.float64)
     low = xyz.min(axis=0) if len(xyz) else np.zeros(3)
     size = max(size, float(np.ptp(xyz, axis=0).max()) / MOST if len(xyz) else size)

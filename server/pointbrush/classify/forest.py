@@ -60,7 +60,6 @@ def learn(
     examples give the same trees.  ``share`` (n,): weight of an example beside others of its class;
     ``fold`` (n,): the group of trees that does not learn it, -1 for none.
     """
-    options.check()
     rng = np.random.default_rng(0)
     share = np.ones(len(classes)) if share is None else share
     fold = np.full(len(classes), -1) if fold is None else fold

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
-from pointbrush.errors import BadInputError
 from pointbrush.values.classifiers import LARGEST_CELL as LARGEST_CELL
 from pointbrush.values.classifiers import MOST_CLASSES as MOST_CLASSES
 from pointbrush.values.classifiers import NAME_LENGTH as NAME_LENGTH
@@ -49,10 +47,6 @@ class FeatureOptions:
     floor: float = 2.5
     """Height over the ground from which on something stands on it, cells."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
 class ForestOptions:
@@ -74,10 +68,6 @@ class ForestOptions:
     shake: float = 0.2
     """Standard deviation of the noise added to a feature, relative to its own in a frame."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
 
 @dataclass(frozen=True, slots=True)
 class DoubtOptions:
@@ -97,15 +87,3 @@ class DoubtOptions:
     """Points of a piece that a person is asked about, at least."""
     scaled: float = 0.14
     """Metres that a cell counts as where the object tool parts scans of many views."""
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        _above_zero(self)
-
-
-def _above_zero(options: Any) -> None:
-    for each in fields(options):
-        value = getattr(options, each.name)
-        numbers = value if isinstance(value, tuple) else (value,)
-        if not all(number > 0 for number in numbers):
-            raise BadInputError(f"{each.name}: expected numbers above 0, got {value!r}")

@@ -63,7 +63,6 @@ def fit_box(
     ``priors``: its possible classes.  Raises BadInputError if all frames have too few points.
     """
     chosen = options or FitOptions()
-    chosen.check()
     if not priors:
         raise BadInputError("priors: expected one or more, got none")
     ordered = sorted(observations, key=lambda each: each.time)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-
-from pointbrush.errors import BadInputError
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,12 +130,3 @@ class FitOptions:
     """Metres per second from which a person faces the direction of motion."""
     rounds: int = 3
     """Number of alternations over sides, path and yaw of a moving object."""
-
-    def check(self) -> None:
-        """Check the numbers.  Raises BadInputError."""
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if min(value if isinstance(value, tuple) else (value,)) <= 0:
-                raise BadInputError(f"{each.name}: expected above 0, got {value}")
-            if isinstance(value, tuple) and not value[0] < value[1]:
-                raise BadInputError(f"{each.name}: expected two ascending, got {value}")

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
 from pointbrush.selection.objects.options import GroundOptions
 from pointbrush.selection.points import NOTHING, Alive, Points
 from pointbrush.selection.ray import region_shape
@@ -87,14 +86,6 @@ class ClusterOptions:
     """Metres above the ground up to which points are ground at any radius, for noise."""
     most_clearance: float = 0.2
     """Maximum of this height, in metres; between the two it is the radius."""
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        if not 0 < self.least_clearance <= self.most_clearance < self.reach or self.most < 1:
-            raise BadInputError(
-                "cluster: expected 0 < least_clearance <= most_clearance < reach, and points, "
-                f"got {self}"
-            )
 
 
 OPTIONS = ClusterOptions()

@@ -32,10 +32,6 @@ class MatchOptions:
     inside: float = 0.5
     """Share of an object's points inside another object from which it is a part of it."""
 
-    def __post_init__(self) -> None:
-        if not 0 < self.least <= self.same <= 1 or not 0 < self.inside <= 1:
-            raise ValueError("expected 0 < least <= same <= 1 and 0 < inside <= 1")
-
 
 @dataclass(frozen=True, slots=True)
 class Match:

@@ -135,10 +135,6 @@ class NameLimits:
     path_bytes: int = 1000
     folders: int = 2000
 
-    def __post_init__(self) -> None:
-        if min(self.depth, self.part_bytes, self.path_bytes, self.folders) < 1:
-            raise ValueError(f"expected limits of 1 or more, got {self}")
-
 
 LIMITS = NameLimits()
 PORTS = {f"{port}{number}" for port in ("com", "lpt") for number in range(10)}

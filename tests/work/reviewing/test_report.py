@@ -16,7 +16,7 @@ from pointbrush.cli import main
 from pointbrush.labels import EditInfo
 from pointbrush.teamwork.reviews import Review
 from pointbrush.values.kinds import time_of
-from pointbrush.work.reviewing.report.gather import EffortOptions, effort_of, to_csv
+from pointbrush.work.reviewing.report.gather import effort_of, to_csv
 from pointbrush.work.reviewing.report.html import duration, to_html
 from pointbrush.work.reviewing.report.plots import MOST, columns
 from pointbrush.workspace import Workspace
@@ -59,8 +59,6 @@ def test_people_work_side_by_side_and_machines_do_not_count() -> None:
         (0, "ada"): 45.0,
         (0, "grace"): 5.0,
     }
-    with pytest.raises(ValueError, match="first"):
-        EffortOptions(idle=1.0, first=2.0)
 
 
 def test_long_recordings_are_drawn_in_columns_that_can_be_seen() -> None:

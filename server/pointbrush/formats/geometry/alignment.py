@@ -35,10 +35,6 @@ class AlignmentOptions:
     worse: float = 1.25
     """Ratio of the distances with and without poses above which poses count as worse."""
 
-    def __post_init__(self) -> None:
-        if min(self.most_points, self.probes, self.neighbours) < 3 or self.worse < 1:
-            raise ValueError(f"expected counts of 3 or more and worse of 1 or more, got {self}")
-
 
 def agree_better_without(frames: Sequence[PointFrame]) -> bool | None:
     """Return whether frames agree better without their poses than with them, one to the next.

@@ -2,28 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
-from pointbrush.errors import BadInputError
 from pointbrush.selection.candidate import MOST_LEVELS
-from pointbrush.sensor_kind import SENSOR_KINDS, SensorKind
-
-
-class Positive:
-    """Options of which every number is above 0."""
-
-    __slots__ = ()
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        for each in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, each.name)
-            if isinstance(value, (int, float)) and not value > 0:
-                raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
+from pointbrush.sensor_kind import SensorKind
 
 
 @dataclass(frozen=True, slots=True)
-class CellOptions(Positive):
+class CellOptions:
     """Sizes of the cubes that stand for the points in them."""
 
     size: float = 0.02
@@ -39,16 +25,9 @@ class CellOptions(Positive):
     points_per_cell: float = 1.4
     """Points; cells are not made so small that they hold fewer on average."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        Positive.check(self)
-        fewest = max(self.fewest, self.lidar_fewest)
-        if fewest > self.most:
-            raise BadInputError(f"fewest: expected at most {self.most} cells, got {fewest}")
-
 
 @dataclass(frozen=True, slots=True)
-class GroundOptions(Positive):
+class GroundOptions:
     """Ground under a lidar."""
 
     column: float = 1.0
@@ -70,7 +49,7 @@ class GroundOptions(Positive):
 
 
 @dataclass(frozen=True, slots=True)
-class GraphOptions(Positive):
+class GraphOptions:
     """Neighbours of cells, and the edges of the first graph."""
 
     neighbours: int = 12
@@ -88,7 +67,7 @@ class GraphOptions(Positive):
 
 
 @dataclass(frozen=True, slots=True)
-class PieceOptions(Positive):
+class PieceOptions:
     """The first, small pieces (Felzenszwalb and Huttenlocher, IJCV 2004)."""
 
     scale: float = 0.03
@@ -106,7 +85,7 @@ class PieceOptions(Positive):
 
 
 @dataclass(frozen=True, slots=True)
-class BridgeOptions(Positive):
+class BridgeOptions:
     """Links between detached components, for the merge tree alone."""
 
     links: int = 4
@@ -118,7 +97,7 @@ class BridgeOptions(Positive):
 
 
 @dataclass(frozen=True, slots=True)
-class PlaneOptions(Positive):
+class PlaneOptions:
     """Coplanar pieces that touch."""
 
     least_seed: float = 0.002
@@ -152,7 +131,7 @@ class PlaneOptions(Positive):
 
 
 @dataclass(frozen=True, slots=True)
-class LadderOptions(Positive):
+class LadderOptions:
     """Levels that are offered for a click."""
 
     levels: int = MOST_LEVELS
@@ -199,20 +178,9 @@ class LadderOptions(Positive):
     lidar_cells: float = 100.0
     """Cells of that level at which the scores are as the model gives them."""
 
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        Positive.check(self)
-        if unknown := self.growing.difference(SENSOR_KINDS):
-            raise BadInputError(f"growing: expected sensors, got {', '.join(sorted(unknown))}")
-        if self.levels > MOST_LEVELS:
-            raise BadInputError(f"levels: expected at most {MOST_LEVELS}, got {self.levels}")
-        for name in ("closest", "closest_after"):
-            if getattr(self, name) >= 1:
-                raise BadInputError(f"{name}: expected a ratio below 1, got {getattr(self, name)}")
-
 
 @dataclass(frozen=True, slots=True)
-class ClickOptions(Positive):
+class ClickOptions:
     """Places that clicks are taken at, and the least that one changes of what is taken."""
 
     real_cells: int = 6
@@ -249,14 +217,3 @@ class ObjectOptions:
     clicks: ClickOptions = field(default_factory=ClickOptions)
     planes: PlaneOptions = field(default_factory=PlaneOptions)
     ladder: LadderOptions = field(default_factory=LadderOptions)
-
-    def check(self) -> None:
-        """Raise BadInputError for numbers out of range."""
-        self.cells.check()
-        self.ground.check()
-        self.graph.check()
-        self.pieces.check()
-        self.bridges.check()
-        self.clicks.check()
-        self.planes.check()
-        self.ladder.check()

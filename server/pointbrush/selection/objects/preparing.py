@@ -30,7 +30,7 @@ def prepare(
 ) -> ObjectState:
     """Return the state of a frame; weights are those of the package unless others are given.
 
-    Raises BadInputError for a malformed frame and for options out of range.
+    Raises BadInputError for a malformed frame.
     """
     parts = part_frame(frame, options or ObjectOptions())
     model = (weights or built_in(frame.sensor)).merge
@@ -41,7 +41,6 @@ def prepare(
 def part_frame(frame: ObjectFrame, options: ObjectOptions) -> Parts:
     """Return a frame's cells and pieces.  Raises BadInputError as ``prepare`` does."""
     frame.check()
-    options.check()
     finite = np.isfinite(frame.xyz).all(axis=1)
     every = bool(finite.all())
 

@@ -40,15 +40,6 @@ class ClassifierOptions:
     looked_recordings: int = 4
     """Number of recordings of a workspace that are searched for uncertain places."""
 
-    def check(self) -> None:
-        """Raise BadInputError for a number that is not above 0."""
-        for part in (self.features, self.forest, self.doubt):
-            part.check()
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, int | float) and not value > 0:
-                raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")
-
 
 @dataclass
 class ApplyOptions:

@@ -67,7 +67,6 @@ class Classifiers:
         """
         self.models = models or Models()
         self.options = options or ClassifierOptions()
-        self.options.check()
         self._store, self._recording, self._recordings = store, recording, recordings
         self._files = ClassifierFiles(folder)
         self._frames = DescribedFrames(self.options)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-
-from pointbrush.errors import BadInputError
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +29,3 @@ class ObjectOptions:
     """Limit of cached candidates."""
     clicks: int = 64
     """Limit of positive, and of negative, clicks in a call."""
-
-    def check(self) -> None:
-        """Raise BadInputError for a number that is not above 0."""
-        for each in fields(self):
-            value = getattr(self, each.name)
-            if not value > 0:
-                raise BadInputError(f"{each.name}: expected a number above 0, got {value!r}")

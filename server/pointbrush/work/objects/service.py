@@ -158,7 +158,6 @@ class Objects:
         Raises BadInputError for an unknown selector.
         """
         self._options = options or ObjectOptions()
-        self._options.check()
         self._store, self._name = store, selector
         self._offers: Cache[str, _Offer] = Cache(self._options.answers)
         self._states = States(

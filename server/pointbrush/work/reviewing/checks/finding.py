@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from statistics import median
 from typing import get_args
 
@@ -96,11 +96,6 @@ class CheckOptions:
     ground_round: float = 1.0
     box_margin: float = 0.1
     box_outside: float = 0.1
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            if not getattr(self, field.name) > 0:
-                raise ValueError(f"{field.name}: expected more than 0")
 
 
 def usual_step(steps: Mapping[int, float], frame: int, window: int) -> float:

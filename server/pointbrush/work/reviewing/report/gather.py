@@ -40,10 +40,6 @@ class EffortOptions:
     idle: float = 60.0
     first: float = 5.0
 
-    def __post_init__(self) -> None:
-        if not 0 <= self.first <= self.idle:
-            raise ValueError("first: expected 0 to idle seconds")
-
 
 @dataclass(slots=True)
 class Effort:
