@@ -335,6 +335,8 @@ def test_bad_strokes_say_what_was_expected(fields: dict[str, object], says: str)
         ({"polygon": [[0, 0, 0]]}, "polygon"),
         ({"hidden": [-1]}, "hidden"),
         ({"frames": [-1]}, "frames"),
+        ({"clip": [1, 2]}, "clip"),
+        ({"clip": {"center": [0, 0, 0], "size": [1, 1, 1], "roll": 2}}, "roll"),
     ],
 )
 def test_calls_and_messages_check_numbers(fields: dict[str, object], says: str) -> None:
@@ -399,17 +401,9 @@ def test_a_clip_box_is_as_if_nothing_lay_outside(
     assert np.concatenate(parts).tolist() == expected.tolist()
 
 
-@pytest.mark.parametrize(
-    ("clip", "words"),
-    [
-        ([1, 2], "clip: expected a box with center and size"),
-        ({"center": [0, 0, 0], "size": [1, 0, 1]}, "clip: size: expected 3 lengths above 0"),
-        ({"center": [0, 0, 0], "size": [1, 1, 1], "roll": 2}, "clip: expected center, size and"),
-    ],
-)
-def test_a_clip_that_is_no_box_is_refused(clip: object, words: str) -> None:
-    with pytest.raises(BadInputError, match=words):
-        stroke("sphere", [0, 0, 0], clip=clip)
+def test_a_clip_without_a_volume_is_refused() -> None:
+    with pytest.raises(BadInputError, match="clip: size: expected 3 lengths above 0"):
+        stroke("sphere", [0, 0, 0], clip={"center": [0, 0, 0], "size": [1, 0, 1]})
 
 
 def test_a_ray_passes_what_flies_beside_it_before_the_surface_of_an_image() -> None:
