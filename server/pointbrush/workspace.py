@@ -49,7 +49,7 @@ from pointbrush.work.job_service import JobContext
 from pointbrush.work.library import Library, SequenceStore
 from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops.running import Loops
-from pointbrush.work.objects import Objects
+from pointbrush.work.objects.service import Objects
 from pointbrush.work.people import FIND
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK

@@ -15,7 +15,7 @@ from serving import settings_in
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
-from pointbrush.work.objects import Answer, StaleCandidateError
+from pointbrush.work.objects.service import Answer, StaleCandidateError
 from pointbrush.workspace import Workspace
 from tests.waiting import eventually
 

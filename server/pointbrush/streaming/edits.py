@@ -23,7 +23,7 @@ from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system.resources import shortages_as_unavailable
 from pointbrush.work.annotate.strokes import LiveStroke
-from pointbrush.work.objects import ObjectStroke
+from pointbrush.work.objects.stroke import ObjectStroke
 from pointbrush.work.tracking.options import RunOptions
 
 Edit = (

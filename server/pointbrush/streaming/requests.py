@@ -13,7 +13,7 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.room import Room
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.work.loops.compiling import LOOK_SECONDS
-from pointbrush.work.objects import Answer
+from pointbrush.work.objects.service import Answer
 
 
 async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:

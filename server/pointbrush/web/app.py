@@ -35,7 +35,7 @@ from pointbrush.web.upload_files import KeptUploads
 from pointbrush.web.watching import Watching
 from pointbrush.work.backups.series import BackupSchedule, BackupSeries
 from pointbrush.work.imports.uploads import Uploads
-from pointbrush.work.objects import StaleCandidateError
+from pointbrush.work.objects.service import StaleCandidateError
 from pointbrush.workspace import Workspace
 
 log = logging.getLogger(__name__)

@@ -8,7 +8,8 @@ from typing import Any
 from pointbrush.labels import Commit, LabelStore
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.annotate.strokes import LiveStroke, edit_id
-from pointbrush.work.objects import Answer, Level, Objects, ObjectStroke
+from pointbrush.work.objects.service import Answer, Level, Objects
+from pointbrush.work.objects.stroke import ObjectStroke
 from pointbrush.work.part import Part
 
 

@@ -15,7 +15,7 @@ from pointbrush.web.problems import problem_of
 from pointbrush.web.security.auth import resource
 from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import ObjectBody
-from pointbrush.work.objects import Answer, StaleCandidateError
+from pointbrush.work.objects.service import Answer, StaleCandidateError
 from pointbrush.workspace import Workspace
 
 router = resource("objects")
