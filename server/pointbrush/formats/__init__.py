@@ -11,13 +11,7 @@ if TYPE_CHECKING:
     from pointbrush.formats.registry import FORMATS, Format, format_names
     from pointbrush.formats.source import open_source, read, reported, source_name
     from pointbrush.formats.tables.palette import own_labels
-    from pointbrush.formats.writers import (
-        EXPORTS,
-        BlockedFrame,
-        ExportFrame,
-        LabeledFrame,
-        Split,
-        export,
-    )
+    from pointbrush.formats.writers import EXPORTS, export
+    from pointbrush.formats.writers.labeled import BlockedFrame, ExportFrame, LabeledFrame, Split
 if not TYPE_CHECKING:
     __getattr__ = lazily(__name__)

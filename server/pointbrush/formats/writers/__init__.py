@@ -275,19 +275,3 @@ def export(
         if gaps:
             with output.file(GAPS) as file:
                 file.write(json.dumps({"gaps": gaps}, indent=1, ensure_ascii=False).encode())
-
-
-__all__ = [
-    "EXPORTS",
-    "GAPS",
-    "BlockedFrame",
-    "Export",
-    "ExportFrame",
-    "LabeledFrame",
-    "Output",
-    "Palette",
-    "PaletteEntry",
-    "Split",
-    "export",
-    "sizes_of",
-]
