@@ -311,13 +311,14 @@ export class Engine {
     this.closeSequence();
     state.opening.value = id;
     nameInAddress(id);
-    this.link.open({ type: 'open', sequence: id, frame: 0, revision: null });
+    const message = { type: 'open', sequence: id, frame: 0, revision: null } as const;
+    this.link.post({ t: 'open', message });
   }
 
   private closeSequence(): void {
     nameInAddress(null);
     this.following.clear();
-    this.link.close();
+    this.link.post({ t: 'close' });
     this.playback.close();
     forgetRun();
     forgetBoxes();

@@ -105,7 +105,7 @@ export class Playback {
     state.playing.value = false;
     state.frame.value = at;
     // The budget of a playing frame no longer counts.
-    if (this.pointBudget !== null) this.link.pace(this.pace());
+    if (this.pointBudget !== null) this.link.post({ t: 'pace', pace: this.pace() });
     this.link.send({ type: 'pause', frame: peek(state.frame) });
     this.lookAround();
     this.sync();
@@ -145,7 +145,7 @@ export class Playback {
     this.counters.bytes += segment.nbytes;
     this.counters.decodeMs += segment.decodeMs;
     if (!used) this.counters.dropped += 1;
-    this.link.applied(this.pace());
+    this.link.post({ t: 'applied', pace: this.pace() });
     if (used) this.trim();
     else this.link.recycle(buffersOf(segment));
     const frame = this.store.get(segment.frame);

@@ -33,7 +33,8 @@ export class Early {
       nameInAddress(id);
       const frames = list.find((row) => row.id === id)?.frames ?? 1;
       const frame = Math.min(placeIn(location.search).frame, Math.max(0, frames - 1));
-      this.link.open({ type: 'open', sequence: id, frame, revision: null });
+      const message = { type: 'open', sequence: id, frame, revision: null } as const;
+      this.link.post({ t: 'open', message });
     }
     return id;
   }

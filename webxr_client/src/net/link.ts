@@ -1,7 +1,7 @@
 /** The page's end of the workers: typed messages to the socket, and from it by way of the decoder. */
-import type { ClientMessage, Open } from '../protocol/messages';
+import type { ClientMessage } from '../protocol/messages';
 import { begins } from './outbox';
-import type { FromPage, FromWorker, Pace, ToWorker } from './wire';
+import type { FromPage, FromWorker, ToWorker } from './wire';
 
 const MOST_FREE = 4;
 const NOTHING: Transferable[] = [];
@@ -57,22 +57,6 @@ export class Link {
     this.reportPending();
   }
 
-  open(message: Open): void {
-    this.post({ t: 'open', message });
-  }
-
-  close(): void {
-    this.post({ t: 'close' });
-  }
-
-  applied(pace: Pace): void {
-    this.post({ t: 'applied', pace });
-  }
-
-  pace(pace: Pace): void {
-    this.post({ t: 'pace', pace });
-  }
-
   /** Give buffers back, a few at a time. */
   recycle(buffers: ArrayBuffer[]): void {
     this.free.push(...buffers);
@@ -101,7 +85,8 @@ export class Link {
     else this.undelivered.push(message);
   }
 
-  private post(message: ToWorker, transfer: Transferable[] = NOTHING): void {
+  /** Tell the worker of the socket. */
+  post(message: ToWorker, transfer: Transferable[] = NOTHING): void {
     this.worker.postMessage(message, transfer);
   }
 
