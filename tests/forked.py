@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import chdir, contextmanager
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection, arbitrary_address
 from pathlib import Path
@@ -32,6 +32,23 @@ FORKSERVER.set_forkserver_preload(
         *("idna.core", "tests.preloaded", "tests.e2e.server"),
     ]
 )
+
+
+ROOT = Path(__file__).parent.parent
+ensure_running = forkserver.ensure_running
+
+
+def ensure_running_from_root() -> None:
+    """Start the fork server where it finds ``tests.preloaded``, in whichever folder a test is."""
+    if fork_server._forkserver_pid is None:
+        with chdir(ROOT):
+            ensure_running()
+    else:
+        ensure_running()
+
+
+fork_server = forkserver._forkserver  # type: ignore[attr-defined]
+fork_server.ensure_running = ensure_running_from_root
 
 
 class ForkedCommand:
@@ -122,7 +139,6 @@ def fork_workers() -> None:
 
     Workers have environment, folder and streams of this process, as spawned ones have.
     """
-    server = forkserver._forkserver  # type: ignore[attr-defined]
     listener = socket.socket(socket.AF_UNIX)
     listener.bind(arbitrary_address("AF_UNIX"))
     listener.listen()
@@ -131,8 +147,8 @@ def fork_workers() -> None:
     if process == 0:
         os.close(alive_writer)
         forkserver.main(listener.detach(), alive_reader, None)
-    server._forkserver_address = listener.getsockname()
-    server._forkserver_alive_fd, server._forkserver_pid = alive_writer, process
+    fork_server._forkserver_address = listener.getsockname()
+    fork_server._forkserver_alive_fd, fork_server._forkserver_pid = alive_writer, process
     os.close(alive_reader)
     listener.close()
     worker.START_METHOD = FORKSERVER.get_start_method()
