@@ -68,7 +68,7 @@ def refined(
     """Return the offset (3,) of the least cost near ``best``, within the range of ``steps``."""
     least, step = cost(best), steps[1] - steps[0]
     while step > finest:
-        moves = [best + step * sign * axis for axis in np.eye(3) for sign in (-1, 1)]
+        moves = [best + step * np.array(sides) for sides in product((-1, 0, 1), repeat=3)]
         moves = [np.clip(move, steps[0], steps[-1]) for move in moves]
         found = min((cost(move), k) for k, move in enumerate(moves))
         if found[0] < least:
