@@ -81,7 +81,8 @@ def test_both_jugglers_and_nothing_else_are_found(client: Client, sample: Sample
     assert found.category == "person"
     assert {person.name for person in found.people} == {"person 1", "person 2"}
     for shown, frame in enumerate((0, APART)):
-        assert min(matched(found.people, sample, frame, shown)) > 0.88
+        # A pin in a hand is labelled with its juggler, which costs a twentieth.
+        assert min(matched(found.people, sample, frame, shown)) > 0.87
     # The same person in both frames is one person.
     assert [[each.frame for each in person.frames] for person in found.people] == [[0, 1]] * 2
     assert client["room"].labels() == []

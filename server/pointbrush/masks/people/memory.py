@@ -35,7 +35,10 @@ class Memory:
         self._known = [each for each in self._known if self._is_fresh(each)]
 
     def recall(self, group: list[Surface]) -> NDArray[np.float64] | None:
-        """Return the probabilities (n,) of surfaces; None if a large one is unknown."""
+        """Return the probabilities (n,) of surfaces; None if too much of them is unknown.
+
+        An unknown surface has the mean of the others.
+        """
         found = [self._find(each) for each in group]
         counts = np.array([len(each.rows) for each in group])
         new = np.array([each is None for each in found])
@@ -44,7 +47,8 @@ class Memory:
         for each, surface in zip(found, group, strict=True):
             if each is not None:
                 each.middle, each.area, each.seen = surface.middle, surface.area, self._frame
-        return np.array([0.0 if each is None else each.chance for each in found])
+        usual = float(np.mean([each.chance for each in found if each is not None]))
+        return np.array([usual if each is None else each.chance for each in found])
 
     def remember(self, group: list[Surface], chance: NDArray[np.float64]) -> None:
         """Keep the probabilities (n,) of surfaces that the model has looked at."""

@@ -11,7 +11,7 @@ class PeopleOptions:
 
     columns: int = 256
     """Width of the pictures in which surfaces are found, pixels; larger ones are thinned."""
-    floor: float = 0.03
+    floor: float = 0.02
     """Height below which a point counts as floor."""
     gap: float = 0.015
     gap_share: float = 0.01
@@ -60,7 +60,7 @@ class PeopleOptions:
     forgotten: int = 3
     looked_again: int = 15
     """Frames after which an unseen surface is forgotten, and a seen one looked at again."""
-    sole: float = 0.015
+    sole: float = 0.005
     """Height below which nothing is added to feet."""
     outline: int = 1
     """Width of the outline that is added to a person, pixels."""

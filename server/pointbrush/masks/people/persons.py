@@ -19,6 +19,12 @@ Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 SAMPLE = 200
 """Pixels by which the extent of a surface is measured."""
+ALL, FIRST, LAST = slice(None), slice(None, -1), slice(1, None)
+NEIGHBOURS = (
+    ((FIRST, ALL), (LAST, ALL)), ((LAST, ALL), (FIRST, ALL)),
+    ((ALL, FIRST), (ALL, LAST)), ((ALL, LAST), (ALL, FIRST)),
+)  # fmt: skip
+"""Parts of a picture, and the same parts one pixel below, above, right and left."""
 Look = Callable[[NDArray[np.uint8]], Floats]
 """The model: a picture (h, w, 3) to the probability (h, w) of a person."""
 
@@ -158,11 +164,9 @@ def _grown(mask: Mask, picture: DepthPicture, options: PeopleOptions) -> Mask:
     free = picture.seen & (picture.room[..., 1] > options.sole)
     for _ in range(options.outline):
         grown = mask.copy()
-        for axis in (0, 1):
-            for step in (1, -1):
-                from_mask = np.roll(mask, step, axis)
-                apart = np.abs(picture.depth - np.roll(picture.depth, step, axis))
-                grown |= from_mask & free & (apart <= gap)
+        for one, other in NEIGHBOURS:
+            near = np.abs(picture.depth[one] - picture.depth[other]) <= gap[one]
+            grown[one] |= mask[other] & free[one] & near
         mask = grown
     return mask
 
