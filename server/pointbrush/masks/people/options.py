@@ -19,7 +19,8 @@ class PeopleOptions:
     smallest: float = 0.015
     """Least visible area of a surface, square metres."""
     widest: float = 1.6
-    """Largest extent in the plan of a person."""
+    widest_share: float = 1.5
+    """Largest extent in the plan of a person, and as a share of the visible height."""
     tallest: float = 2.3
     """Largest height of a person."""
     overhead: float = 2.0

@@ -137,7 +137,8 @@ def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
     low, high = (np.array([getattr(each, end) for each in group]) for end in ("low", "high"))
     width, height, length = high.max(axis=0) - low.min(axis=0)
     top = high[:, 1].max() >= options.top or _is_cut(group)
-    return bool(height >= options.shortest and top and max(width, length) <= options.widest)
+    widest = min(options.widest, options.widest_share * height)
+    return bool(height >= options.shortest and top and max(width, length) <= widest)
 
 
 def _is_cut(group: list[Surface]) -> bool:
