@@ -6,9 +6,7 @@ import pkgutil
 from importlib import import_module
 
 from pointbrush import values
-from pointbrush.values.base import Body, Complete, Value
-
-BASES = (Value, Body, Complete)
+from pointbrush.values.base import Value
 
 
 def value_classes() -> list[type[Value]]:
@@ -21,6 +19,8 @@ def value_classes() -> list[type[Value]]:
         kind
         for module in modules
         for kind in vars(module).values()
-        if isinstance(kind, type) and issubclass(kind, Value) and kind not in BASES
+        if isinstance(kind, type)
+        and issubclass(kind, Value)
+        and hasattr(kind, "__dataclass_fields__")
     }
     return sorted(found, key=lambda kind: kind.__name__)

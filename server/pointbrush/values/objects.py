@@ -12,8 +12,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+class PointRuns(Value):
+    """Base of values with runs of points of a frame."""
+
+    __slots__ = ()
+    runs: tuple[tuple[int, int], ...]
+
+    @property
+    def numbers(self) -> NDArray[np.int64]:
+        """The numbers of its points (n,), source order."""
+        import numpy as np
+
+        parts = [np.arange(first, first + count) for first, count in self.runs]
+        return np.concatenate(parts) if parts else np.empty(0, np.int64)
+
+
 @dataclass(frozen=True, slots=True)
-class Candidate(Value):
+class Candidate(PointRuns):
     """Points that a click may select."""
 
     id: str
@@ -26,14 +41,6 @@ class Candidate(Value):
     """Number of its points."""
     runs: tuple[tuple[int, int], ...]
     """Runs of its points in source order: first number and length."""
-
-    @property
-    def numbers(self) -> NDArray[np.int64]:
-        """The numbers of its points (n,), source order."""
-        import numpy as np
-
-        parts = [np.arange(first, first + count) for first, count in self.runs]
-        return np.concatenate(parts) if parts else np.empty(0, np.int64)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pointbrush.values.base import Body, Rule, Value
 from pointbrush.values.kinds import FrameIndex, Uuid
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+from pointbrush.values.objects import PointRuns
 
 MOST_SHOWN = 100
 """Largest number of frames of a search that changes nothing."""
@@ -41,7 +38,7 @@ class LabelledPeople(Value):
 
 
 @dataclass(frozen=True, slots=True)
-class PersonPoints(Value):
+class PersonPoints(PointRuns):
     """Points of a person in a frame."""
 
     frame: int
@@ -52,14 +49,6 @@ class PersonPoints(Value):
     """Number of its points."""
     runs: tuple[tuple[int, int], ...]
     """Runs of its points: first number and length."""
-
-    @property
-    def numbers(self) -> NDArray[np.int64]:
-        """The numbers of its points (n,), source order."""
-        import numpy as np
-
-        parts = [np.arange(first, first + count) for first, count in self.runs]
-        return np.concatenate(parts) if parts else np.empty(0, np.int64)
 
 
 @dataclass(frozen=True, slots=True)

@@ -89,8 +89,8 @@ def get_mask(
     format: Annotated[
         Literal["png", "npy", "picture"],
         Query(
-            description="`npy`: uint16, in which no point is 65535; `picture`: PNG of the labels "
-            "that are shown, transparent elsewhere"
+            description="`png`: index or grey; `npy`: uint16, in which no point is 65535; "
+            "`picture`: PNG of the labels that are shown, transparent elsewhere"
         ),
     ] = "png",
     if_none_match: Annotated[
