@@ -152,7 +152,7 @@ def clip(desk: Desk) -> None:
 
 def mask(desk: Desk) -> None:
     """Show the labels as a mask over the large picture of the depth camera, with the brush."""
-    pictures = desk.page.get_by_role("button", name="Pictures")
+    pictures = desk.page.get_by_role("button", name="Pictures of the cameras")
     pictures.click()
     desk.page.get_by_role("button", name="Show the picture of depth large").click()
     large = desk.page.locator(".camera-large")

@@ -41,7 +41,7 @@ def test_people_are_found_tracked_and_exported_and_corrected_in_the_picture(
     desk.press("Enter")
     bar.get_by_role("button", name="Track").click()
     export = bar.get_by_role("button", name="Export")
-    desk.until("document.querySelector('[aria-label=\"Find people\"] [data-icon=export]')")
+    desk.until("document.querySelector('[aria-label=\"Find people\"] [data-icon=export]') !== null")
     assert labelled(server, 0) == sum(previewed.values()) - previewed[0]
     assert set(server.annotation(SEQUENCE, 0, "provenance")) == {0, PREDICTED}
     last = desk.ask("pb.state.sequence.value.frames") - 1
@@ -57,6 +57,8 @@ def test_people_are_found_tracked_and_exported_and_corrected_in_the_picture(
 def paint_in_picture(desk: Desk, server: LiveServer) -> None:
     """Paint the first person's label into the picture, take it back, and choose another label."""
     page = desk.page
+    desk.press("b")
+    desk.until("pb.state.notices.value.length === 0")
     page.get_by_role("button", name="Pictures").click()
     page.get_by_role("button", name="Show the picture of depth large, over the cloud").click()
     large = page.get_by_role("region", name="Camera depth, large")
@@ -66,7 +68,7 @@ def paint_in_picture(desk: Desk, server: LiveServer) -> None:
     before = server.annotation(SEQUENCE, 0)
     box = large.locator("canvas").first.bounding_box()
     assert box is not None
-    corners = [(box["x"] + u * box["width"], box["y"] + v * box["height"]) for u, v in ((0.55, 0.6), (0.62, 0.7))]  # fmt: skip  # noqa: E501
+    corners = [(box["x"] + u * box["width"], box["y"] + v * box["height"]) for u, v in ((0.5, 0.32), (0.58, 0.48))]  # fmt: skip  # noqa: E501
     page.mouse.move(*corners[0])
     page.mouse.down()
     page.mouse.move(*corners[1], steps=3)
@@ -85,7 +87,7 @@ def paint_in_picture(desk: Desk, server: LiveServer) -> None:
     large.get_by_role("radio", name="Look").click()
     other = next(each for each in np.unique(before) if each not in (0, label))
     points = server.points(SEQUENCE, 0)[before == other]
-    x, y, z = points[np.linalg.norm(points - np.median(points, axis=0), axis=1).argmin()]
+    x, y, z = points[np.linalg.norm(points - np.median(points, axis=0), axis=1).argmin()].tolist()
     image = "pb.engine.playback.frame.image.lattice"
     (t, u), (p, q) = desk.ask(f"{image}.tangent"), desk.ask(f"{image}.pitch")
     size = desk.ask(f"[{image}.width, {image}.height]")
@@ -100,19 +102,16 @@ def test_people_in_the_headset_take_four_actions(headset: Headset, server: LiveS
     headset.click("palette", "People")
     headset.until("hs.headset.cockpit.panels.question.mesh.visible")
     assert headset.labels()[FOUND] > 1000
-    headset.screenshot("headset-people-found")
     headset.move("right", [0.5, 1.2, -0.3], [3.0, 1.2, -3.0])
     headset.trigger(1)
     headset.trigger(0)
     headset.until("(pb.labels()[2] ?? 0) > 1000")
     assert set(server.annotation(SEQUENCE, 0, "provenance")) == {0, PREDICTED}
     headset.until("hs.areas('question').some(({ name }) => name === 'Track')")
-    headset.screenshot("headset-people-labelled")
     headset.click("question", "Track")
     headset.until("hs.areas('question').some(({ name }) => name === 'Export')")
     last = headset.ask("pb.state.sequence.value.frames") - 1
     assert labelled(server, last) > 1000
-    headset.screenshot("headset-people-tracked")
     with headset.page.expect_download() as download:
         headset.click("question", "Export")
     assert download.value.suggested_filename.startswith(SEQUENCE)

@@ -27,7 +27,7 @@ import { attempt, commonName, finished, jobOf, noteJob, sequencePath } from './r
 
 /** Endings of files that hold labels and no points. */
 const LABELS =
-  /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation|instances)[^/]*\.(npy|json)|(mask|label|segm)[^/]*(\/[^/]+)*\.(png|txt|json))$/i;
+  /(\.label|_lidarseg\.bin|_panoptic\.npz|(label|segm|annotation|instances)[^/]*\.(npy|json)|(mask|label|segm)[^/]*(\/[^/]+)*\.(png|txt|json)|\/?classes\.(txt|json))$/i;
 
 /** Files that a short message names. */
 const MAX_NAMED_FILES = 3;

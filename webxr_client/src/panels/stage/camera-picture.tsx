@@ -41,7 +41,7 @@ export function CameraPicture({ picture, large }: CameraProps) {
   const { width, height, name } = picture;
   return (
     <figure class="camera" style={large ? { opacity: largeOpacity.value } : {}}>
-      <div class="camera-picture" style={{ aspectRatio: `${width} / ${height}` }}>
+      <div class="camera-picture" style={{ aspectRatio: `${width} / ${height}`, '--ratio': width / height }}>
         {pictures.value?.drawn ? <DepthPicture picture={picture} /> : <img src={apiUrl(pathOf('images', name))} alt={`Picture of camera ${name}`} draggable={false} />}
         {large && lens && maskShown.value && <Mask picture={picture} />}
         {lens && <Points picture={picture} lens={lens} large={large} />}

@@ -21,7 +21,7 @@ export function CamerasButton() {
   return (
     <Button
       icon="camera"
-      label="Pictures"
+      {...(state.sequence.value?.cameras && { label: 'Pictures' })}
       tip="Pictures of the cameras, with the points in them"
       pressed={open.value}
       onClick={() => (stripOpen.value = !open.value)}
