@@ -5,6 +5,7 @@ import { PREVIEW } from '../cloud/picture/palette';
 import { actions } from '../store/actions';
 import type { Engine } from '../engine/engine';
 import { api } from '../net/rest';
+import type { SequenceInfo } from '../protocol/messages';
 import type { Camera } from '../protocol/values';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
@@ -48,24 +49,25 @@ class CameraStrip {
     const info = state.sequence.peek();
     const { frame } = state.shown.peek();
     if (!info || frame < 0) return;
-    const before = pictures.peek();
-    if (before?.sequence === info.id && before.frame === frame) return;
+    if (arePicturesOf(info.id, frame)) return;
     const request = ++this.newestRequest;
-    let cameras = this.known.get(frame);
-    if (!cameras) {
-      try {
-        cameras = await api<Camera[]>('GET', `sequences/${info.id}/frames/${frame}/cameras`);
-      } catch {
-        return; // the banner shows that the server is unavailable; the next frame asks again
-      }
-      if (state.sequence.peek()?.identity !== info.identity) return;
-      this.known.set(frame, cameras);
-    }
-    if (request !== this.newestRequest) return;
+    const cameras = this.known.get(frame) ?? (await this.load(info, frame));
+    if (!cameras || request !== this.newestRequest) return;
     const { image } = this.engine.playback.frame ?? {};
-    const drawn = cameras.length === 0 && image != null;
-    if (drawn) cameras = [depthCamera(image.lattice, info.shift)];
-    pictures.value = { sequence: info.id, frame, cameras, drawn };
+    const own = cameras.length === 0 && image ? [depthCamera(image.lattice, info.shift)] : null;
+    pictures.value = { sequence: info.id, frame, cameras: own ?? cameras, drawn: own !== null };
+  }
+
+  /** Return the cameras of a frame; null if the server is unavailable or the recording changed. */
+  private async load(info: SequenceInfo, frame: number): Promise<Camera[] | null> {
+    try {
+      const cameras = await api<Camera[]>('GET', `sequences/${info.id}/frames/${frame}/cameras`);
+      if (state.sequence.peek()?.identity !== info.identity) return null;
+      this.known.set(frame, cameras);
+      return cameras;
+    } catch {
+      return null; // the banner shows that the server is unavailable; the next frame asks again
+    }
   }
 
   /** Before each picture: whether points or labels are others. */
@@ -184,4 +186,9 @@ function cross(): HTMLCanvasElement {
     pen.stroke();
   }
   return canvas;
+}
+
+function arePicturesOf(sequence: string, frame: number): boolean {
+  const shown = pictures.peek();
+  return shown?.sequence === sequence && shown.frame === frame;
 }

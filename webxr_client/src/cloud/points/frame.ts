@@ -266,7 +266,9 @@ export class CloudFrame {
   pointsOf(label: number): Uint32Array {
     const found: number[] = [];
     for (const { first, labels } of this.pieces) {
-      labels?.forEach((each, i) => void (each === label && found.push(first + i)));
+      labels?.forEach((each, i) => {
+        if (each === label) found.push(first + i);
+      });
     }
     return Uint32Array.from(found);
   }

@@ -43,11 +43,7 @@ export function CameraPicture({ picture, large }: CameraProps) {
     <figure class="camera" style={large ? { opacity: largeOpacity.value } : {}}>
       <div class="camera-picture" style={{ aspectRatio: `${width} / ${height}`, '--ratio': width / height }}>
         {pictures.value?.drawn ? <DepthPicture picture={picture} /> : <img src={apiUrl(pathOf('images', name))} alt={`Picture of camera ${name}`} draggable={false} />}
-        {large && lens && maskShown.value && <Mask picture={picture} />}
-        {lens && <Points picture={picture} lens={lens} large={large} />}
-        {lens && <Outlines lens={lens} />}
-        {lens && large && pictureTool.value !== 'choose' && <Ink picture={picture} />}
-        {lens && <Spot lens={lens} />}
+        {lens && <Layers picture={picture} lens={lens} large={large} />}
       </div>
       <figcaption class="line wrap soft small">
         {name}
@@ -63,6 +59,19 @@ export function CameraPicture({ picture, large }: CameraProps) {
       </figcaption>
     </figure>
   ); // prettier-ignore
+}
+
+/** Everything that lies over the picture of a calibrated camera. */
+function Layers({ picture, lens, large }: PointsProps) {
+  return (
+    <>
+      {large && maskShown.value && <Mask picture={picture} />}
+      <Points picture={picture} lens={lens} large={large} />
+      <Outlines lens={lens} />
+      {large && pictureTool.value !== 'choose' && <Ink picture={picture} />}
+      <Spot lens={lens} />
+    </>
+  );
 }
 
 function pathOf(kind: 'images' | 'masks', camera: string): string {

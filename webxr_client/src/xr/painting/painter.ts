@@ -291,10 +291,11 @@ export class Painter {
       return;
     }
     if (first && refusal() !== null) this.pulse(BUMP.strength, BUMP.milliseconds);
-    if (this.way.samples === 'drawn') {
-      this.air.begin(this.way, this.tip);
-      return;
-    }
+    if (this.way.samples === 'drawn') this.air.begin(this.way, this.tip);
+    else this.pressBrush(hand, first);
+  }
+
+  private pressBrush(hand: Pointer, first: boolean): void {
     const brush = brushFor(this.way, this.radius[0]!);
     if (this.way.samples === 'clicks') {
       this.aimAt(this.way, hand);
