@@ -208,6 +208,19 @@ juggling.accept([pin.id], start=1, stop=2)
 # Recording.clear
 juggling.clear([car.id], start=1, stop=2)
 
+# Recording.find_people
+kinect = client.import_files("kinect", name="kinect")
+found = kinect.find_people([0])
+print([person.name for person in found.people])
+
+# Recording.start_find_people
+job = kinect.start_find_people([0])
+client.wait(job)
+
+# Recording.label_people
+labelled = kinect.label_people()
+print(labelled.people, "people,", labelled.changed, "points")
+
 # Recording.start_fit_boxes
 job = juggling.start_fit_boxes(category="car", frames="0:1")
 client.wait(job)
