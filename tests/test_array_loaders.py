@@ -20,7 +20,7 @@ ALLOWED = {
     # The client: arrays of a server that its user has chosen.
     "client/",
     # Uploads of one array: type, shape and number of bytes are compared with the header before.
-    "web/npy.py:parse",
+    "web/npy.py:_data",
     # Numbers of points from outside: compared with the frame's number of points after.
     "ranges.py:numbers_of",
     # Chunks and columns of imported recordings, written by the server and kept with checksums.

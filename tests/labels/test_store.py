@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -336,7 +337,7 @@ def test_the_history_tells_who_what_and_where(pins: WorkspaceStore) -> None:
         ("ann", "paint", 2, (0,), True),
     ]
     assert lines[0].target == "mine"
-    assert lines[0].time >= lines[1].time > 1.6e9
+    assert lines[0].time >= lines[1].time > datetime(2020, 9, 13, tzinfo=UTC)
     older = pins.edits(SEQ, before=lines[-1].revision)
     assert [e.summary for e in older] == [
         "create label 'pin 3'", "create label 'pin 2'", "create label 'pin 1'",

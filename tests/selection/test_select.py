@@ -333,8 +333,12 @@ def test_bad_strokes_say_what_was_expected(fields: dict[str, object], says: str)
         ({"label": 70000}, "65534"),
         ({"level": 6}, "level"),
         ({"polygon": [[0, 0, 0]]}, "polygon"),
-        ({"hidden": [-1]}, "hidden"),
+        *(
+            ({"hidden": hidden}, "hidden")
+            for hidden in (3, [70_000], [-1], ["a"], [[1]], [1.5], [1] * 65_536)
+        ),
         ({"frames": [-1]}, "frames"),
+        ({"frames": [0] * 1001}, "at most 1000"),
         ({"clip": [1, 2]}, "clip"),
         ({"clip": {"center": [0, 0, 0], "size": [1, 1, 1], "roll": 2}}, "roll"),
     ],

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pointbrush.classify import models
 from pointbrush.classify.classifier import Classifier
 from pointbrush.classify.features import Described
 from pointbrush.classify.models import Question
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
+from pointbrush.exchange import model_names
 from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
@@ -255,7 +255,7 @@ def test_a_model_of_ones_own_answers_in_place_of_trees(
 ) -> None:
     group = "pointbrush.classifiers"
     entries = (EntryPoint("floors", f"{__name__}:Floors", group),)
-    monkeypatch.setattr(models, "entry_points", lambda **_: entries)
+    monkeypatch.setattr(model_names, "entry_points", lambda **_: entries)
     with pytest.raises(BadInputError, match="model: expected one of floors"):
         workspace.classifiers.create("rooms", ["room"], model="other")
     made = workspace.classifiers.create("network", ["room"], model="floors")

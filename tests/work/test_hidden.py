@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError, HiddenLabelError
+from pointbrush.errors import HiddenLabelError
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
@@ -194,12 +194,6 @@ def test_a_label_hidden_before_the_stroke_ends_is_refused(
             live.commit("ada")
     finally:
         workspace.labels.update_label("two", "ben", PLAIN, visible=True)
-
-
-@pytest.mark.parametrize("hidden", [3, [70_000], [-1], [True], ["1"], [[1]], [1.5], [1] * 65_536])
-def test_labels_that_a_viewer_hides_are_checked(workspace: Workspace, hidden: Any) -> None:
-    with pytest.raises(BadInputError, match="hidden"):
-        workspace.strokes.apply("two", 0, {"label": PLAIN, **RAY, "hidden": hidden}, "ada")
 
 
 def test_deleted_points_come_back_whatever_label_they_hold(workspace: Workspace) -> None:

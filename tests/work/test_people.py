@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.cli import main
 from pointbrush.client import AsyncClient, Client, FoundPerson, Recording
-from pointbrush.errors import BadInputError
+from pointbrush.errors import ConflictError
 from pointbrush.frame import PointFrame
 from pointbrush.masks.people import model
 from pointbrush.samples import generate
@@ -135,7 +135,7 @@ def test_runs_are_in_the_order_that_a_page_has(served: Served, client: Client) -
 
 
 def test_recordings_without_pictures_are_refused_in_words(client: Client) -> None:
-    with pytest.raises(BadInputError, match="expected frames with the colours of a depth camera"):
+    with pytest.raises(ConflictError, match="expected frames with the colours of a depth camera"):
         client["wall"].find_people()
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.database.job import Job
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
@@ -66,8 +66,8 @@ class PeopleRequest(JobRequest):
 class People(EditService[PeopleRequest]):
     """Finds people; thread-safe.
 
-    Every method raises NotFoundError (recording, frame), and BadInputError for a recording
-    without pictures, and if the model is not installed.
+    Every method raises NotFoundError (recording, frame), ConflictError for a recording without
+    pictures, and BadInputError if the model is not installed.
     """
 
     kind = "prediction"
@@ -121,7 +121,7 @@ class People(EditService[PeopleRequest]):
     def _checked(self, recording: Recording, frames: Sequence[int] | None) -> tuple[int, ...]:
         wanted = range(len(recording)) if frames is None else sorted(set(frames))
         if not any(has_pictures(recording, frame) for frame in wanted):
-            raise BadInputError(
+            raise ConflictError(
                 "people: expected frames with the colours of a depth camera, got none; "
                 "people are found in pictures"
             )
