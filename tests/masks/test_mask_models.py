@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, UnavailableError
 from pointbrush.exchange import model_names
-from pointbrush.masks.models import Found, MaskModels, Prompt
+from pointbrush.masks.models import FoundMasks, MaskModels, Prompt
 from tests.services import example_service
 
 SHAPE = (40, 60)
@@ -33,11 +33,15 @@ def picture() -> NDArray[np.uint8]:
 
 
 class Answer:
-    """A plug-in with a fixed answer."""
+    """A plug-in with a fixed answer, which counts its instances."""
 
-    answer = Found(np.ones(SHAPE, np.uint16), ("thing",))
+    made = 0
+    answer = FoundMasks(np.ones(SHAPE, np.uint16), ("thing",))
 
-    def masks(self, _: Prompt) -> Found:
+    def __init__(self) -> None:
+        Answer.made += 1
+
+    def masks(self, _: Prompt) -> FoundMasks:
         return self.answer
 
 
@@ -67,9 +71,11 @@ def test_service_finds_masks_of_clicks_and_of_text(address: str) -> None:
         assert np.array_equal(found.mask == 1, expected)
 
 
-def test_plug_in_finds_masks(plug_in: None) -> None:
-    found = MaskModels().masks("fixed", Prompt(picture(), NONE, NONE))
-    assert (found.names, found.mask.min()) == (("thing",), 1)
+def test_plug_in_is_made_once_and_finds_masks(plug_in: None) -> None:
+    for _ in range(2):
+        found = MaskModels().masks("fixed", Prompt(picture(), NONE, NONE))
+        assert (found.names, found.mask.min()) == (("thing",), 1)
+    assert Answer.made == 1
 
 
 @pytest.mark.parametrize(
@@ -85,7 +91,7 @@ def test_answers_that_do_not_fit_the_picture_are_refused(
     mask: NDArray[np.uint16], names: tuple[str, ...], words: str,
     plug_in: None, monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(Answer, "answer", Found(mask, names))
+    monkeypatch.setattr(Answer, "answer", FoundMasks(mask, names))
     with pytest.raises(UnavailableError, match=words):
         MaskModels().masks("fixed", Prompt(picture(), NONE, NONE))
 

@@ -1,26 +1,31 @@
-"""Models of one's own that find masks in pictures: plug-ins, and services over HTTP.
+"""Users' own models that find masks in pictures: plug-ins, and services over HTTP.
 
-A package adds one with an entry point of the group ``pointbrush.masks``: a class or function that
-returns a ``MaskModel`` when it is called without arguments.
+A package adds a model with an entry point of the group ``pointbrush.masks``: a class or function
+that returns a ``MaskModel`` when it is called without arguments.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import UnavailableError
 from pointbrush.exchange.model_names import ModelNames
+from pointbrush.exchange.npz import Arrays
 from pointbrush.exchange.npz_service import NpzService
 
 MOST_MASKS = 10_000
-"""Limit of masks in an answer."""
+"""Most masks in an answer."""
 NAME_LENGTH = 200
-"""Limit of the name of a class."""
+"""Most characters of the name of a class."""
+TIMEOUT = 120.0
+"""Longest wait for the answer of a service, seconds."""
+ANSWER_BYTES = 256 * 2**20
+"""Most bytes of the answer of a service."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +39,7 @@ class Prompt:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class FoundMasks:
     """Masks of a picture as one image (H, W) uint16: 0, or 1 to K for the K ``names``."""
 
     mask: NDArray[np.uint16]
@@ -42,20 +47,10 @@ class Found:
 
 
 class MaskModel(Protocol):
-    """Finds masks in pictures; called from several threads."""
+    """A model that finds masks in pictures; several threads call it."""
 
-    def masks(self, prompt: Prompt) -> Found:
+    def masks(self, prompt: Prompt) -> FoundMasks:
         """Return the masks for a prompt, with the class of each."""
-
-
-@dataclass(frozen=True, slots=True)
-class HttpOptions:
-    """Bounds of a call."""
-
-    seconds: float = 120.0
-    """Longest wait for an answer."""
-    answer_bytes: int = 256 * 2**20
-    """Greatest answer."""
 
 
 class HttpMaskModel:
@@ -66,50 +61,52 @@ class HttpMaskModel:
                             ``names`` text (K,), the class of the values 1 to K.
     """
 
-    def __init__(self, address: str, name: str, options: HttpOptions | None = None) -> None:
-        self._options = options or HttpOptions()
-        self._service = NpzService(address, f"model {name}", self._options.answer_bytes)
+    def __init__(self, address: str, name: str) -> None:
+        self._service = NpzService(address, f"model {name}", ANSWER_BYTES)
 
-    def masks(self, prompt: Prompt) -> Found:
-        """Ask for masks; see ``MaskModel``."""
-        given: dict[str, NDArray[Any]] = {
+    def masks(self, prompt: Prompt) -> FoundMasks:
+        """Send a prompt and return the masks of the answer; see ``MaskModel``."""
+        arrays: Arrays = {
             "picture": prompt.picture,
             "positives": prompt.positives,
             "negatives": prompt.negatives,
             "text": np.array(prompt.text),
         }
-        answer = self._service.call("masks", given, self._options.seconds)
+        answer = self._service.call("masks", arrays, TIMEOUT)
         mask, names = (answer.get(name, np.empty(0)) for name in ("mask", "names"))
         if names.dtype.kind != "U" or names.ndim != 1:
             raise UnavailableError(
                 f"{self._service.role}: expected names, text (K,), got {names.dtype} {names.shape}"
             )
-        return Found(mask, tuple(map(str, names)))
+        return FoundMasks(mask, tuple(map(str, names)))
 
 
 class MaskModels(ModelNames):
-    """Models of masks that the operator allows by name."""
+    """Models of masks that the operator of the server allows, by name."""
 
     GROUP: ClassVar[str] = "pointbrush.masks"
     OPTION: ClassVar[str] = "mask_models"
 
-    def masks(self, name: str, prompt: Prompt) -> Found:
+    def masks(self, name: str, prompt: Prompt) -> FoundMasks:
         """Return the checked masks of a model.
 
-        Raises BadInputError (unknown model), UnavailableError (no answer, or another one).
+        Raises BadInputError (unknown model), UnavailableError (no answer, or an invalid one).
         """
-        address = self.address(name)
-        model: MaskModel = self.plug_in(name) if address is None else _service(name, address)
+        model = _made(name, self.address(name))
         return checked_masks(name, prompt, model.masks(prompt))
 
 
 @lru_cache(maxsize=64)
-def _service(name: str, address: str) -> HttpMaskModel:
-    return HttpMaskModel(address, name)
+def _made(name: str, address: str | None) -> MaskModel:
+    """Make a model once a process: the weights of a plug-in may be large."""
+    if address is not None:
+        return HttpMaskModel(address, name)
+    model: MaskModel = MaskModels.plug_in(name)
+    return model
 
 
-def checked_masks(name: str, prompt: Prompt, found: Found) -> Found:
-    """Return the masks if they fit the picture; raises UnavailableError."""
+def checked_masks(name: str, prompt: Prompt, found: FoundMasks) -> FoundMasks:
+    """Return ``found`` if its masks fit the picture; raises UnavailableError."""
     shape, mask = prompt.picture.shape[:2], np.asarray(found.mask)
     if mask.shape != shape or mask.dtype != np.uint16:
         raise UnavailableError(
