@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-import io
 import logging
 import re
 from collections.abc import Mapping, Sequence
@@ -23,7 +22,6 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.cameras.images import opened
 from pointbrush.formats.masks.classes import MaskClasses, read_classes
 from pointbrush.formats.masks.mask import (
-    LARGEST_16_BIT,
     MOST_PIXELS,
     NONE,
     UNKNOWN,
@@ -32,10 +30,12 @@ from pointbrush.formats.masks.mask import (
     MaskFile,
     Size,
     distinct,
-    require_size,
 )
+from pointbrush.formats.masks.png import DEEP, PLAIN, VOID_8_BIT, read_png
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.tables.datasets import ClassName
+from pointbrush.formats.times.matching import listed
+from pointbrush.values.masks import VOID
 
 log = logging.getLogger(__name__)
 PER_CLASS = 1000
@@ -51,10 +51,6 @@ SHOWN = re.compile(r"SegmentationClassVisualization|_(gtFine_)?color$|_vis$|_ove
 """Folders and names of pictures that only show masks."""
 WHOLE = ("instanceIds", "labelIds", "labelTrainIds")
 """Ends of the names of Cityscapes' masks of one picture, the first with all that others have."""
-DEEP = ("I;16", "I;16B", "I;16L", "I")
-"""Pillow's names of images with 16 bits or more."""
-PLAIN = ("1", "L", "P", *DEEP)
-"""Pillow's names of images of numbers; others are of colours."""
 
 
 def is_mask_image(path: Path) -> bool:
@@ -131,12 +127,12 @@ class ImageMasks:
     def read(self, path: Path, size: Size) -> Mask:
         """Read a mask.  Raises BadInputError."""
         name = f"{path.parent.name}/{path.name}"
-        image = _image(path, name, size)
+        image = read_png(name, read_bytes(path), size)
         found, place = distinct(_pixels(image, colored=self.classes.by_color))
         keys = self._keys(image.mode, found.tolist(), name)
         if (objects := _objects_of(path)) is not None:
             where = f"{OBJECT}/{objects.name}"
-            numbers, theirs = distinct(_pixels(_image(objects, where, size)))
+            numbers, theirs = distinct(_pixels(read_png(where, read_bytes(objects), size)))
             count, first = len(numbers), int(numbers[0] > 0)
             pairs, place = distinct(place.astype(np.int64) * count + theirs)
             keys = [_with_object(keys[k // count], k % count + first) for k in pairs.tolist()]
@@ -160,7 +156,7 @@ class ImageMasks:
         colors = self.classes.colors
         return not gray or self.classes.by_color or any(v in colors for v in values if v)
 
-    def _of_index(self, value: int, void: int = 255) -> Key:
+    def _of_index(self, value: int, void: int = VOID_8_BIT) -> Key:
         """Return the key of an index: the greatest one says nothing, and 0 is no class, unless they
         have a name."""
         if value in self.names:
@@ -168,17 +164,16 @@ class ImageMasks:
         return NONE if value == 0 else UNKNOWN if value == void else (value, 0)
 
     def _of_deep(self, values: list[int], name: str) -> list[Key]:
-        keys = [self._of_index(value, void=LARGEST_16_BIT) for value in values]
+        keys = [self._of_index(value, void=VOID) for value in values]
         met = {key[0] for key in keys} - {NONE[0], UNKNOWN[0]}
         if self.own or met <= self.names.keys():
             return keys
-        strange = {each // PER_CLASS if each >= PER_CLASS else each for each in met}
-        strange -= self.names.keys()
-        if strange:
+        classes = {each // PER_CLASS if each >= PER_CLASS else each for each in met}
+        if unnamed := [str(each) for each in sorted(classes - self.names.keys())]:
             stated = self.classes.file or "a classes.txt beside the masks (or --map)"
             raise BadInputError(
                 f"{name}: expected the classes of {stated} in 8 bits, or in 16 bits as class times "
-                f"{PER_CLASS} plus object, got 16 bits with classes {_listed(sorted(strange))}, "
+                f"{PER_CLASS} plus object, got 16 bits with classes {listed(unnamed)}, "
                 "which have no name there"
             )
         return [divmod(k, PER_CLASS) if k >= PER_CLASS else (k, i) for k, i in keys]
@@ -221,15 +216,6 @@ def _objects_of(path: Path) -> Path | None:
     return beside if path.parent.name == CLASS and beside.is_file() else None
 
 
-def _image(path: Path, name: str, size: Size) -> Image.Image:
-    with opened(name, io.BytesIO(read_bytes(path)), "a mask in PNG") as image:
-        if image.format != "PNG":
-            raise BadInputError(f"{name}: expected a mask in PNG, got {image.format}")
-        require_size(name, image.size, size)
-        image.load()
-    return image
-
-
 def _pixels(image: Image.Image, *, colored: bool = False) -> NDArray[np.integer]:
     """Return the numbers (height, width) of pixels: indices, or colours 0xrrggbb.
 
@@ -239,8 +225,3 @@ def _pixels(image: Image.Image, *, colored: bool = False) -> NDArray[np.integer]
         return np.asarray(image.convert("L") if image.mode == "1" else image)
     red, green, blue, alpha = np.moveaxis(np.asarray(image.convert("RGBA")), 2, 0).astype(np.int32)
     return np.where(alpha > 0, red << 16 | green << 8 | blue, 0)
-
-
-def _listed(numbers: Sequence[int]) -> str:
-    more = f" and {len(numbers) - 5} more" if len(numbers) > 5 else ""
-    return ", ".join(map(str, numbers[:5])) + more

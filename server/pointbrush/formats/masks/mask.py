@@ -21,7 +21,6 @@ NONE: Key = (-1, 0)
 """Key of pixels of no class."""
 UNKNOWN: Key = (-2, 0)
 """Key of pixels that a mask says nothing about."""
-LARGEST_16_BIT = 65_535
 MOST_PIXELS = 64_000_000
 """Most pixels of a mask."""
 MOST_OBJECTS = 60_000
@@ -67,7 +66,7 @@ def distinct(values: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[
     flat = values.ravel()
     numbers = np.unique(flat[np.r_[True, flat[1:] != flat[:-1]]])
     greatest = int(numbers[-1])
-    if greatest > LARGEST_16_BIT:
+    if greatest > np.iinfo(np.uint16).max:
         return numbers, np.searchsorted(numbers, values)
     table = np.zeros(greatest + 1, np.uint16)
     table[numbers] = np.arange(len(numbers))

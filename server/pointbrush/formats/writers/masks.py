@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.formats.cameras.mask_images import write_mask
 from pointbrush.formats.masks.coco import FRAME, HOLES, TRACK
 from pointbrush.formats.masks.mask import PictureMask
+from pointbrush.formats.masks.png import write_mask
 from pointbrush.formats.masks.rle import compressed, runs_of
 from pointbrush.formats.writers.labeled import ExportFrame, Palette, PaletteEntry, category_of
 from pointbrush.formats.writers.output import Output

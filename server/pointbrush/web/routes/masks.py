@@ -102,7 +102,7 @@ def get_mask(
     A PNG with an index and the colours of labels; 255 (transparent): no point is seen there.  If a
     label id is over 254: 16-bit grey, in which no point is 65535.
     """
-    from pointbrush.formats.cameras.mask_images import draw_mask, write_mask  # loads Pillow
+    from pointbrush.formats.masks.png import draw_mask, write_mask  # loads Pillow
 
     mask, revision = workspace.masks.mask_of(seq, i, camera)
     colors = {label.id: label.color for label in workspace.labels.palette(seq)}
@@ -128,7 +128,7 @@ def predict_mask(
 
 
 def _mask(request: Request, body: bytearray, size: tuple[int, int]) -> NDArray[Any]:
-    from pointbrush.formats.cameras.mask_images import read_mask  # loads Pillow
+    from pointbrush.formats.masks.png import read_mask  # loads Pillow
 
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind == npy.MEDIA_TYPE:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.formats.cameras.mask_images import VOID_8_BIT
+from pointbrush.formats.masks.png import VOID_8_BIT
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes

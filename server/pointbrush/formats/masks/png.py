@@ -1,4 +1,4 @@
-"""Masks as PNG files: an index or a grey value for each pixel."""
+"""PNG files of masks: an index, a grey value or a colour for each pixel."""
 
 from __future__ import annotations
 
@@ -11,44 +11,48 @@ from PIL import Image
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.cameras.images import opened
+from pointbrush.formats.masks.mask import Size, require_size
 from pointbrush.values.masks import VOID
 
 VOID_8_BIT = 255
 """VOID in an image of 8 bits, as in Pascal VOC and Cityscapes."""
 FASTEST = 1
 """Level of compression of masks that are drawn again after each edit."""
-MODES = {"1": np.uint8, "L": np.uint8, "P": np.uint8, "I;16": np.uint16, "I;16B": np.uint16}
-"""Types of the values of PNG files, by Pillow's name of their mode."""
+DEEP = ("I;16", "I;16B", "I;16L", "I")
+"""Pillow's modes of images with 16 bits or more."""
+PLAIN = ("1", "L", "P", *DEEP)
+"""Pillow's modes of images of numbers; others are of colours."""
 
-Mask = NDArray[np.uint8] | NDArray[np.uint16]
 
+def read_png(name: str, content: bytes, size: Size) -> Image.Image:
+    """Return the decoded image of a mask's PNG.
 
-def read_mask(name: str, content: bytes, size: tuple[int, int] | None = None) -> Mask:
-    """Return the values (H, W) of a PNG: uint8 for 1 to 8 bits, uint16 for 16.
-
-    ``size``: expected width and height, which are compared before the pixels are decoded.
-    Raises BadInputError, naming ``name``, for another size, kind of file or kind of pixels.
+    Raises BadInputError, naming ``name``, for another size or another kind of file.
     """
-    with opened(name, io.BytesIO(content), "a PNG mask") as image:
+    with opened(name, io.BytesIO(content), "a mask in PNG") as image:
         if image.format != "PNG":
-            raise BadInputError(f"{name}: expected a PNG mask, got {image.format}")
-        if size is not None and image.size != size:
-            raise BadInputError(f"{name}: expected {_size(*size)} pixels, got {_size(*image.size)}")
-        # Pillow reads 16 bit grey as I in some versions.
-        kind = MODES.get("I;16" if image.mode == "I" else image.mode)
-        if kind is None:
-            raise BadInputError(
-                f"{name}: expected a PNG with an index or a grey value a pixel, got {image.mode}"
-            )
-        return np.asarray(image).astype(kind)
+            raise BadInputError(f"{name}: expected a mask in PNG, got {image.format}")
+        require_size(name, image.size, size)
+        image.load()
+    return image
 
 
-def _size(width: int, height: int) -> str:
-    return f"{width}x{height}"
+def read_mask(name: str, content: bytes, size: Size) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Return the values (H, W) of a mask's PNG: uint8 for 1 to 8 bits, uint16 for 16.
+
+    Raises BadInputError as ``read_png`` does, and for an image of colours.
+    """
+    image = read_png(name, content, size)
+    if image.mode not in PLAIN:
+        raise BadInputError(
+            f"{name}: expected a PNG with an index or a grey value for each pixel, got {image.mode}"
+        )
+    values = np.asarray(image)
+    return values.astype(np.uint16) if image.mode in DEEP else values.astype(np.uint8)
 
 
 def write_mask(mask: NDArray[np.uint16], colors: dict[int, str]) -> bytes:
-    """Return a mask (H, W) as PNG: 8-bit index with the colours (#rrggbb) of its values.
+    """Return a mask (H, W) as a PNG of 8-bit indices with the colours (#rrggbb) of its values.
 
     VOID is 255, transparent.  A value over 254 makes the PNG 16-bit grey, in which VOID is 65535.
     """
@@ -66,7 +70,7 @@ def write_mask(mask: NDArray[np.uint16], colors: dict[int, str]) -> bytes:
 
 
 def draw_mask(mask: NDArray[np.uint16], colors: Mapping[int, str]) -> bytes:
-    """Return a mask (H, W) as PNG to lay over the picture: only values with a colour are seen."""
+    """Return a mask (H, W) as a PNG to lay over the picture; values without a colour are clear."""
     table = np.zeros((1 << 16, 4), np.uint8)
     for value, color in colors.items():
         table[value] = [*bytes.fromhex(color[1:]), 255]
