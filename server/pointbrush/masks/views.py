@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.values.frames import Camera
 
 FISHEYE = ("equidistant", "fisheye", "kannala_brandt4")
 POLYNOMIAL = ("", "plumb_bob", "rational_polynomial", "radtan")
@@ -22,38 +23,6 @@ BLOCK = 1 << 20
 """Points projected at once."""
 
 Floats = NDArray[np.floating[Any]]
-
-
-class Projection(Protocol):
-    """A camera with a picture of a frame, as ``values.frames.Camera`` describes it."""
-
-    @property
-    def name(self) -> str:
-        """Name of the camera."""
-
-    @property
-    def width(self) -> int:
-        """Width of the picture, pixels."""
-
-    @property
-    def height(self) -> int:
-        """Height of the picture, pixels."""
-
-    @property
-    def K(self) -> Any:  # noqa: N802 – the matrix's name
-        """Matrix (3, 3) to pixels, or None."""
-
-    @property
-    def distortion(self) -> Any:
-        """Coefficients of the model."""
-
-    @property
-    def model(self) -> str:
-        """Model of the lens."""
-
-    @property
-    def T_camera_frame(self) -> Any:  # noqa: N802 – the transform's name
-        """Transform (4, 4) from source coordinates, or None."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +47,7 @@ class View:
     exact: bool = False
 
     @classmethod
-    def of_camera(cls, camera: Projection, xyz: Floats) -> View:
+    def of_camera(cls, camera: Camera, xyz: Floats) -> View:
         """Project points (N, 3), source coordinates, into a camera.
 
         A pixel (u, v) covers half a pixel around its centre, as in OpenCV.
@@ -162,7 +131,7 @@ class Lens:
     fisheye: bool
 
     @classmethod
-    def of(cls, camera: Projection) -> Lens:
+    def of(cls, camera: Camera) -> Lens:
         """Return the lens of a camera; raises BadInputError if it is not known."""
         missing = [name for name in ("K", "T_camera_frame") if getattr(camera, name) is None]
         if missing:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from pointbrush.errors import DamagedError, NotFoundError
 from pointbrush.sequences.octree.arrays import digest
 from pointbrush.sequences.storage.files import write_file
+from pointbrush.values.frames import Camera
 
 if TYPE_CHECKING:
     from pointbrush.formats.cameras.pictures import Picture
@@ -25,20 +26,9 @@ MEDIA_TYPES = {".jpg": "image/jpeg", ".png": "image/png", ".webp": "image/webp"}
 
 
 @dataclass(frozen=True, slots=True)
-class Projection:
-    """A picture of a frame, and how points project into it; matrices are nested rows.
+class Projection(Camera):
+    """A picture of a frame and its camera; ``file``: name of the picture in ``cameras/``."""
 
-    ``K`` (3, 3) pixels, ``distortion`` the coefficients of ``model``, ``T_camera_frame`` (4, 4)
-    from the frame's points in source coordinates; None where it is not known.
-    """
-
-    name: str
-    width: int
-    height: int
-    K: list[list[float]] | None
-    distortion: list[float]
-    model: str
-    T_camera_frame: list[list[float]] | None
     file: str
 
 
@@ -62,7 +52,7 @@ def write_pictures(folder: Path, frames: int, pictures: Iterable[Picture]) -> di
                 each.width,
                 each.height,
                 None if camera.K is None else camera.K.tolist(),
-                list(camera.distortion),
+                camera.distortion,
                 camera.model,
                 None if camera.T_camera_frame is None else camera.T_camera_frame.tolist(),
                 file,
