@@ -1,6 +1,6 @@
-"""Masks of pictures and labels of points: each is made from the other.
+"""Labels of points from masks of pictures (``lift``), and masks from labels (``draw``).
 
-Pictures and points meet in a ``View``: the pixel and the depth of each point of a frame.
+Both use a ``View``: the pixel and the depth of each point of a frame in a picture.
 """
 
 from __future__ import annotations

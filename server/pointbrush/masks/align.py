@@ -1,8 +1,8 @@
 """Correction of a camera's position by the borders of a mask.
 
-On one surface, neighbouring points mostly have one value of the mask: its borders lie where the
-depth jumps.  An error of the calibration moves the borders onto the surfaces.  The offset that
-divides the fewest pairs of neighbours is the correction.
+Neighbouring points of one surface mostly have the same value of the mask: its borders lie where the
+depth jumps.  An error of the calibration moves the borders onto the surfaces, where they divide
+pairs of neighbours.  The correction is the offset that divides the fewest pairs.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ def align(
 ) -> NDArray[np.float64] | None:
     """Return the offset (3,), metres, that moves points onto their values of a mask.
 
-    None: the mask has too few borders at jumps of depth to determine it.
-    ``seen``: numbers of the points that the camera sees.
+    ``seen``: numbers of the points that the camera sees.  None: too few borders of the mask lie at
+    jumps of depth to determine an offset.
     """
     search, values = options.align, mask.ravel()
     error = view.focal * options.metre_error / view.depth[seen] + options.pixel_error
@@ -39,52 +39,63 @@ def align(
     part = view.only(near)
     one, other = surface_pairs(part, point_spacing(view, seen), options)
 
-    def cost(offset: NDArray[np.float64]) -> float:
+    def divided(offset: NDArray[np.float64]) -> int:
+        """Return the number of pairs with different values after the points move."""
         pixel = part.moved(offset).pixel
-        found = np.where(pixel >= 0, values[pixel], VOID)
+        value = np.where(pixel >= 0, values[pixel], VOID)
         # A pair without evidence counts as divided: else points would move into the holes.
-        divided = (found[one] != found[other]) | (found[one] == VOID)
-        return float(divided.sum() + weight * (offset @ offset))
+        return int(((value[one] != value[other]) | (value[one] == VOID)).sum())
 
-    weight = 0.0
     unit = options.metre_error + options.pixel_error * float(np.median(part.depth)) / view.focal
     steps = np.linspace(-search.widest, search.widest, 2 * search.steps + 1) * unit
     grid = [np.array(offset) for offset in product(steps, steps, [0.0])]
-    costs = [cost(offset) for offset in grid]
-    gained = float(np.median(costs)) - min(costs)
-    if gained < search.least_pairs:
+    counts = [divided(offset) for offset in grid]
+    saved = float(np.median(counts)) - min(counts)
+    if saved < search.least_pairs:
         return None
-    weight = search.prior * gained / unit**2
-    best = refined(min(grid, key=cost), cost, steps, search.finest * unit)
+    weight = search.prior * saved / unit**2
+
+    def cost(offset: NDArray[np.float64]) -> float:
+        return divided(offset) + weight * float(offset @ offset)
+
+    costs = [count + weight * (offset @ offset) for count, offset in zip(counts, grid, strict=True)]
+    best = descend(grid[int(np.argmin(costs))], cost, steps, search.finest * unit)
     return best if cost(best) <= (1 - search.least_gain) * cost(np.zeros(3)) else np.zeros(3)
 
 
-def refined(
+def descend(
     best: NDArray[np.float64],
     cost: Callable[[NDArray[np.float64]], float],
     steps: NDArray[np.float64],
     finest: float,
 ) -> NDArray[np.float64]:
-    """Return the offset (3,) of the least cost near ``best``, within the range of ``steps``."""
+    """Return an offset (3,) with the least cost of those around it, starting at ``best``.
+
+    The step begins with that of ``steps`` and is halved down to ``finest``, metres.  The result is
+    within the range of ``steps`` along each axis.
+    """
     least, step = cost(best), steps[1] - steps[0]
     while step > finest:
         moves = [best + step * np.array(sides) for sides in product((-1, 0, 1), repeat=3)]
         moves = [np.clip(move, steps[0], steps[-1]) for move in moves]
-        found = min((cost(move), k) for k, move in enumerate(moves))
-        if found[0] < least:
-            least, best = found[0], moves[found[1]]
+        lowest, number = min((cost(move), k) for k, move in enumerate(moves))
+        if lowest < least:
+            least, best = lowest, moves[number]
         else:
             step /= 2
     return best
 
 
 def surface_pairs(view: View, spacing: float, options: LiftOptions) -> Pairs:
-    """Return pairs of neighbours in the picture that lie on one surface."""
+    """Return the numbers of points that are neighbours in the picture and lie on one surface.
+
+    ``spacing``: mean distance of points, pixels.
+    """
     cell = max(1, round(spacing))
-    row, column = (place // cell for place in np.divmod(view.pixel, view.width))
+    row, column = (at // cell for at in np.divmod(view.pixel, view.width))
     number = np.full((-(-view.height // cell), -(-view.width // cell)), -1, np.int64)
     number[row, column] = np.arange(len(view.pixel))
-    found = []
+    pairs = []
     for axis in (0, 1):
         one, other = (number[side].ravel() for side in neighbours(axis))
         both = (one >= 0) & (other >= 0)
@@ -92,5 +103,6 @@ def surface_pairs(view: View, spacing: float, options: LiftOptions) -> Pairs:
         depths = view.depth[one], view.depth[other]
         gap = np.minimum(*depths) * options.visibility.depth_tolerance / 2
         smooth = np.abs(depths[0] - depths[1]) <= gap
-        found.append((one[smooth], other[smooth]))
-    return np.concatenate([pair[0] for pair in found]), np.concatenate([pair[1] for pair in found])
+        pairs.append((one[smooth], other[smooth]))
+    ones, others = zip(*pairs, strict=True)
+    return np.concatenate(ones), np.concatenate(others)

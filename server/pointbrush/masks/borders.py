@@ -13,7 +13,7 @@ Mask = NDArray[np.unsignedinteger]
 def border_distance(mask: Mask) -> NDArray[np.float32]:
     """Return the distance (H * W,) of each pixel from the nearest pixel of another value, pixels.
 
-    A void pixel counts as the nearest other pixel.
+    A void pixel has the value of the nearest pixel that is not void.
     """
     from scipy.ndimage import distance_transform_edt  # slow to import
 
@@ -34,7 +34,6 @@ def border_distance(mask: Mask) -> NDArray[np.float32]:
 
 def neighbours(axis: int) -> tuple[tuple[slice, ...], tuple[slice, ...]]:
     """Return the slices of an image that pair each pixel with the next one along an axis."""
-    all_of = [slice(None), slice(None)]
-    before, after = [*all_of], [*all_of]
+    before, after = [slice(None)] * 2, [slice(None)] * 2
     before[axis], after[axis] = slice(None, -1), slice(1, None)
     return tuple(before), tuple(after)

@@ -17,11 +17,11 @@ Image = NDArray[np.uint16]
 def draw(
     view: View, labels: NDArray[np.unsignedinteger], options: DrawOptions = _DEFAULTS
 ) -> Image:
-    """Return a mask (H, W) of the labels (N,) of points; 0 shows points without a label.
+    """Return a mask (H, W) with the label of the nearest point in each pixel, of ``labels`` (N,).
 
-    VOID: no point is seen there, or points of several labels at one depth.  Each pixel shows its
-    nearest point.  Gaps between points of one label and surface are filled, except in a lattice,
-    which is exact.
+    A pixel is 0 if its point has no label, and VOID if the camera sees no point there, or several
+    points at the same depth with different labels.  Gaps between points of one label and surface
+    are filled, except in a lattice, in which each point has its own pixel.
     """
     mask = np.full(view.height * view.width, VOID, np.uint16)
     depth = np.full(view.height * view.width, np.inf, np.float32)
@@ -33,13 +33,16 @@ def draw(
     image = mask.reshape(view.height, view.width)
     if not view.exact:
         depths = depth.reshape(image.shape)
-        fill(image, depths, options)
-        fill(image.T, depths.T, options)
+        fill_gaps(image, depths, options)
+        fill_gaps(image.T, depths.T, options)
     return image
 
 
-def fill(mask: Image, depth: NDArray[np.float32], options: DrawOptions) -> None:
-    """Fill gaps along the rows of a mask, between measured pixels of one value and surface."""
+def fill_gaps(mask: Image, depth: NDArray[np.float32], options: DrawOptions) -> None:
+    """Fill gaps along the rows of a mask, in place, between pixels of one value and surface.
+
+    ``depth`` (H, W) metres is infinite without a point; filled pixels get a depth, too.
+    """
     measured = np.isfinite(depth)
     column = np.arange(mask.shape[1])
     before = np.maximum.accumulate(np.where(measured, column, -1), axis=1)

@@ -1,4 +1,4 @@
-"""Tunable numbers of masks, by step."""
+"""Options of lifting and drawing masks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class VisibilityOptions:
-    """Depth buffer of the frame's own points."""
+    """Options of ``visible``, the depth buffer of a frame's points."""
 
     depth_tolerance: float = 0.04
     """Least difference of depths between two surfaces, as a share of the depth."""
@@ -23,7 +23,8 @@ class VisibilityOptions:
 
 @dataclass(frozen=True, slots=True)
 class AlignOptions:
-    """Numbers of ``align``."""
+    """Options of ``align``.  The error of the calibration at a point is ``metre_error`` plus
+    ``pixel_error`` at its depth."""
 
     widest: float = 2.0
     """Greatest correction, in errors of the calibration."""
@@ -31,18 +32,18 @@ class AlignOptions:
     """Steps of the first search to each side, per axis."""
     prior: float = 0.05
     """Cost of an offset of one error of the calibration, as a share of the pairs that the best
-    offset divides less than others do."""
+    offset joins in comparison with the median of all."""
     finest: float = 0.05
-    """Last step of the search, in errors of the calibration."""
+    """Least step of the search, in errors of the calibration."""
     least_pairs: int = 40
-    """Least pairs of neighbours that the best offset divides less than others do."""
+    """Least number of pairs that the best offset joins in comparison with the median of all."""
     least_gain: float = 0.1
-    """Least share of the divided pairs that a correction joins; otherwise the camera stays."""
+    """Least share of the divided pairs that a correction must join; otherwise the camera stays."""
 
 
 @dataclass(frozen=True, slots=True)
 class LiftOptions:
-    """Numbers of ``lift``."""
+    """Options of ``lift``."""
 
     visibility: VisibilityOptions = field(default_factory=VisibilityOptions)
     align: AlignOptions = field(default_factory=AlignOptions)
@@ -53,16 +54,15 @@ class LiftOptions:
     aligned_error: float = 0.25
     """Share of the error of position that is left after an alignment."""
     neighbours: int = 5
-    """Number of the nearest certain points that decide about a doubtful one."""
+    """Number of the nearest certain points that decide about a point near a border."""
     most_distance: float = 2.5
-    """Greatest distance of a certain point that decides about a doubtful one, in widths of the
-    doubtful band at the point."""
+    """Greatest distance of these points, in widths of the band along the border."""
 
 
 @dataclass(frozen=True, slots=True)
 class DrawOptions:
-    """Numbers of ``draw``."""
+    """Options of ``draw``."""
 
     visibility: VisibilityOptions = field(default_factory=VisibilityOptions)
     most_gap: int = 12
-    """Most pixels between two points of one surface that are filled."""
+    """Most pixels in a row that are filled between two points of one surface."""

@@ -1,4 +1,4 @@
-"""Points as a camera sees them: the pixel and the depth of each point of a frame."""
+"""Projection of points into pictures: the pixel and the depth of each point of a frame."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from pointbrush.values.frames import Camera
 
 FISHEYE = ("equidistant", "fisheye", "kannala_brandt4")
 POLYNOMIAL = ("", "plumb_bob", "rational_polynomial", "radtan")
+"""Names of the models of lenses that OpenCV and ROS use."""
 NEAREST = 0.05
 """Least depth of a point in a picture, metres."""
 RADIUS_STEP = 0.05
-"""Step of the search for the radius at which a distortion folds over, in focal lengths."""
+"""Step of the search for the radius at which a distortion stops growing, in focal lengths."""
 MOST_RADIUS = 5.0
-"""End of this search."""
+"""End of this search, in focal lengths."""
 BLOCK = 1 << 20
 """Points projected at once."""
 
@@ -51,7 +52,7 @@ class View:
         """Project points (N, 3), source coordinates, into a camera.
 
         A pixel (u, v) covers half a pixel around its centre, as in OpenCV.
-        Raises BadInputError if the calibration of the camera is not known.
+        Raises BadInputError if the calibration or the model of the lens is not known.
         """
         lens = Lens.of(camera)
         size, count = (camera.width, camera.height), len(xyz)
@@ -79,9 +80,10 @@ class View:
         )
 
     def moved(self, offset: NDArray[np.float64]) -> View:
-        """Return the view after its camera moved, so that points shift by ``offset`` (3,) metres.
+        """Return the view from a camera that moved so that points shift by ``offset`` (3,) metres.
 
-        ``offset`` is in the camera's axes and small.  Points do not enter the picture.
+        ``offset`` is along the camera's axes; its effect is linearised.  Points outside of the
+        picture stay outside.
         """
         assert self.uv is not None  # noqa: S101 – only cameras are moved
         shift = self.focal * offset[:2] - (self.uv - np.array(self.centre, np.float32)) * offset[2]
@@ -90,13 +92,13 @@ class View:
         return replace(self, uv=uv, pixel=np.where(self.pixel >= 0, pixel, -1))
 
     def only(self, numbers: NDArray[np.int64]) -> View:
-        """Return the view of some of the points."""
+        """Return the view of the points with these numbers (n,)."""
         uv = None if self.uv is None else self.uv[numbers]
         return replace(self, pixel=self.pixel[numbers], depth=self.depth[numbers], uv=uv)
 
-    def without(self, left_out: NDArray[np.bool_]) -> View:
-        """Return the view without some of the points (N,)."""
-        return replace(self, pixel=np.where(left_out, np.int32(-1), self.pixel))
+    def without(self, removed: NDArray[np.bool_]) -> View:
+        """Return the view with the points that ``removed`` (N,) marks outside of the picture."""
+        return replace(self, pixel=np.where(removed, np.int32(-1), self.pixel))
 
     @property
     def seen(self) -> NDArray[np.int64]:
@@ -123,7 +125,7 @@ def pixel_at(uv: Floats, size: tuple[int, int]) -> NDArray[np.int32]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """A lens by the models of OpenCV and ROS."""
+    """A camera's lens by the models of OpenCV and ROS, as in ``cameras/lens.ts`` of the page."""
 
     K: NDArray[np.float64]
     T_camera_frame: NDArray[np.float64]
@@ -132,21 +134,21 @@ class Lens:
 
     @classmethod
     def of(cls, camera: Camera) -> Lens:
-        """Return the lens of a camera; raises BadInputError if it is not known."""
+        """Return the lens of a camera; raises BadInputError for an unknown calibration or model."""
         missing = [name for name in ("K", "T_camera_frame") if getattr(camera, name) is None]
         if missing:
             raise BadInputError(
                 f"camera {camera.name!r}: expected a calibration, its {missing[0]} is not known"
             )
-        given = np.asarray(camera.distortion, np.float64)
-        if camera.model not in (*FISHEYE, *POLYNOMIAL) and given.any():
+        stated = np.asarray(camera.distortion, np.float64)
+        if camera.model not in (*FISHEYE, *POLYNOMIAL) and stated.any():
             known = ", ".join((*FISHEYE, *POLYNOMIAL[1:]))
             raise BadInputError(
                 f"camera {camera.name!r}: expected a lens of {known}, got {camera.model!r}"
             )
-        coefficients = np.zeros(max(8, len(given)))
-        coefficients[: len(given)] = given
-        fisheye = camera.model in FISHEYE and len(given) > 0
+        coefficients = np.zeros(max(8, len(stated)))
+        coefficients[: len(stated)] = stated
+        fisheye = camera.model in FISHEYE and len(stated) > 0
         return cls(
             np.asarray(camera.K, np.float64),
             np.asarray(camera.T_camera_frame, np.float64),
@@ -162,7 +164,7 @@ class Lens:
     def project(
         self, xyz: ArrayLike
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """Return pixels (N, 2), depths (N,) and whether the lens sees points (N, 3)."""
+        """Return pixels (N, 2), depths (N,) metres and whether the lens sees the points (N, 3)."""
         local = np.asarray(xyz, np.float64) @ self.T_camera_frame[:3, :3].T
         local += self.T_camera_frame[:3, 3]
         depth = local[:, 2]
@@ -175,6 +177,7 @@ class Lens:
         return bent, depth, seen
 
     def _distort(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distorted places (N, 2) of places at a depth of 1."""
         if not self.distortion.any() and not self.fisheye:
             return flat
         r2 = (flat**2).sum(axis=1)
@@ -200,7 +203,7 @@ class Lens:
         return np.asarray(above / (1 + r2 * (k4 + r2 * (k5 + r2 * k6))))
 
     def _reach(self) -> float:
-        """Return the greatest squared radius before the distortion folds over."""
+        """Return the squared radius up to which the distortion grows, in focal lengths."""
         if not self.distortion.any():
             return np.inf
         r = np.arange(0.0, MOST_RADIUS, RADIUS_STEP)

@@ -1,8 +1,8 @@
 """Visibility of points in a picture, by a depth buffer of the points themselves.
 
-A sensor that stands beside the camera measures points that nearer surfaces hide from the camera.
-Points of a surface in front then lie on both sides of the hidden point in the picture.  On one
-surface, even a slanted one, the depth increases to one side and decreases to the other.
+A sensor beside the camera measures points that nearer surfaces hide from the camera.  In the
+picture, points of the surface in front then lie on both sides of the hidden point.  On one surface,
+even a slanted one, the depth increases to one side and decreases to the other.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def visible(view: View, options: VisibilityOptions) -> NDArray[np.int64]:
     depth, pixel = view.depth[seen], view.pixel[seen]
     spacing = point_spacing(view, seen)
     cell = max(1, round(spacing / 2))
-    row, column = (place // cell for place in np.divmod(pixel, view.width))
+    row, column = (at // cell for at in np.divmod(pixel, view.width))
     buffer = np.zeros((-(-view.height // cell), -(-view.width // cell)), np.float32)
     np.maximum.at(buffer, (row, column), 1 / depth)
     reach = min(max(options.reach * spacing, options.least_reach), options.most_reach)
@@ -44,9 +44,10 @@ def point_spacing(view: View, seen: NDArray[np.int64]) -> float:
 
 
 def _front(buffer: NDArray[np.float32], reach: int) -> NDArray[np.float32]:
-    """Return for each cell the inverse depth of a surface on both of two opposite sides.
+    """Return the inverse depth (h, w) of a surface on two opposite sides of each cell, 0 for none.
 
-    ``buffer``: inverse depths of the nearest points, 0 without one; ``reach``: cells to each side.
+    ``buffer`` (h, w): inverse depths of the nearest points, 0 without one; ``reach``: cells to each
+    side.  On an axis, the farther side counts; of both axes, the nearer surface.
     """
     from scipy.ndimage import maximum_filter1d  # slow to import
 

@@ -125,7 +125,7 @@ class _ReadLabels(Receiver):
 def _emptiness(found: Sequence[FrameLabels], boxes: FoundBoxes, chosen: Chosen) -> str:
     """Return the error of an import without labelled points and boxes, otherwise ""."""
     used = {
-        frame.keys[i] for frame in found for i in np.bincount(frame.which).nonzero()[0].tolist()
+        frame.keys[i] for frame in found for i in np.bincount(frame.key_index).nonzero()[0].tolist()
     }
     used.update(key for key, _ in boxes.tracks)
     if any(chosen.ids[key] for key in used):
@@ -142,7 +142,7 @@ def _writes(
     for frame in found:
         ids = np.array([chosen.ids[key] for key in frame.keys], np.uint16)
         of_row = np.zeros(recording.manifest.points[frame.frame], np.uint16)
-        of_row[frame.rows] = ids[frame.which] if len(ids) else 0
+        of_row[frame.rows] = ids[frame.key_index] if len(ids) else 0
         label = of_row[recording[frame.frame].source_index]
         numbers = np.flatnonzero(label)
         if len(numbers):
@@ -172,7 +172,7 @@ def _report(
     counts: dict[int, int] = {}
     for frame in found:
         for key, count in zip(
-            frame.keys, np.bincount(frame.which, minlength=len(frame.keys)), strict=True
+            frame.keys, np.bincount(frame.key_index, minlength=len(frame.keys)), strict=True
         ):
             counts[chosen.ids[key]] = counts.get(chosen.ids[key], 0) + int(count)
     return {
@@ -185,7 +185,7 @@ def _report(
         "files": [
             {"file": file, "frame": frame.frame}
             for frame in found
-            for file in (frame.file, *frame.others)
+            for file in (frame.file, *frame.more_files)
         ],
         "matched": len(found),
         "unknown": len(chosen.unnamed),

@@ -1,4 +1,4 @@
-"""Labels of frames found in files, before labels of the palette are chosen for them."""
+"""Labels of frames as files state them, before labels of the palette are chosen for them."""
 
 from __future__ import annotations
 
@@ -16,19 +16,23 @@ from pointbrush.work.imports.naming import Key
 
 @dataclass(frozen=True, eq=False)
 class FrameLabels:
-    """Labels of a frame: ``rows`` (n,) of labelled source points, ``which`` (n,) their keys."""
+    """Labels of a frame.
+
+    ``rows`` (n,): labelled points, source order; ``key_index`` (n,): the place of each one's key in
+    ``keys``.
+    """
 
     frame: int
     file: str
     rows: NDArray[np.int64]
-    which: NDArray[np.int64]
+    key_index: NDArray[np.int64]
     keys: tuple[Key, ...]
-    others: tuple[str, ...] = ()
+    more_files: tuple[str, ...] = ()
     """Further files with labels of the frame, such as masks of other cameras."""
     only: Only = "any"
     """Points that may change, as in ``Write``."""
     doubtful: int = 0
-    """Number of points that files say nothing certain about."""
+    """Number of points that masks do not decide: at their borders, or cameras disagree."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,23 +26,21 @@ def masked_frames(
     """
     if not any(_endings(recording, index) for index in chosen):
         raise BadInputError(
-            "format: masks are of pictures of cameras with a calibration, or of a depth camera; "
-            "the frames have neither"
+            "format: expected frames with pictures of calibrated cameras or of a depth camera, "
+            "got neither"
         )
     return (replace(frame, masks=tuple(_masks(frame, recording))) for frame in frames)
 
 
 def _endings(recording: Recording, index: int) -> dict[str, str]:
     """Return the calibrated cameras of a frame with the endings of their pictures."""
-    pictures = {each.name: each for each in recording.projections(index)}
-    endings = {}
-    for name in camera_names(recording, index):
-        known = pictures.get(name)
-        if name == LATTICE:
-            endings[name] = ".png"
-        elif known is not None and known.K is not None and known.T_camera_frame is not None:
-            endings[name] = PurePath(known.file).suffix
-    return endings
+    endings = {
+        each.name: PurePath(each.file).suffix
+        for each in recording.projections(index)
+        if each.K is not None and each.T_camera_frame is not None
+    }
+    endings[LATTICE] = ".png"
+    return {name: endings[name] for name in camera_names(recording, index) if name in endings}
 
 
 def _masks(frame: formats.ExportFrame, recording: Recording) -> Iterator[PictureMask]:

@@ -21,7 +21,7 @@ from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.masks.classes import Classes, chosen_labels
 from pointbrush.work.masks.pictures import picture_of
-from pointbrush.work.masks.views import lattice_pixels, require_calibrated, size_of, view_of
+from pointbrush.work.masks.views import lattice_pixels, size_of, view_of
 from pointbrush.work.part import Part
 
 Mask = NDArray[np.unsignedinteger]
@@ -49,13 +49,7 @@ def lifted(
 
     Raises NotFoundError (camera), BadInputError (size, no calibration).
     """
-    views = []
-    for camera, mask in masks.items():
-        view = view_of(recording, frame, camera)
-        view.require_mask(mask)
-        views.append((view, mask))
-    if not views:
-        raise BadInputError("masks: expected the mask of at least one camera, got none")
+    views = [(view_of(recording, frame, camera), mask) for camera, mask in masks.items()]
     return lift(views, recording[frame].xyz, options)
 
 
@@ -78,7 +72,7 @@ class Masks(Part):
         UnavailableError (no answer of the model), LockedLabelError.
         """
         recording = self._recording(sequence)
-        require_calibrated(recording, frame, camera)
+        view_of(recording, frame, camera)  # raises before the model is called
         clicks = (np.reshape(each, (-1, 2)) for each in (prompt.positives, prompt.negatives))
         positives, negatives = (np.asarray(each, np.float64) for each in clicks)
         picture = picture_of(recording, frame, camera)

@@ -7,18 +7,18 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import NotFoundError
 from pointbrush.masks import View
-from pointbrush.masks.views import Lens
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.depth.projection import find
+from pointbrush.sequences.pictures import Projection
 from pointbrush.values.masks import LATTICE
 
 Pixels = NDArray[np.uint32]
 
 
 def camera_names(recording: Recording, frame: int) -> list[str]:
-    """Return the names of the cameras that masks of a frame can be of."""
+    """Return the names of the cameras with a picture of a frame, the depth image first."""
     stored = recording[frame]
     pictures = [each.name for each in recording.projections(frame)]
     lattice = stored.pixel is not None or stored.lattice is not None
@@ -26,50 +26,47 @@ def camera_names(recording: Recording, frame: int) -> list[str]:
 
 
 def size_of(recording: Recording, frame: int, camera: str) -> tuple[int, int]:
-    """Return width and height of a camera's picture or of the depth image.
+    """Return width and height of a camera's picture or of the depth image, pixels.
 
-    Raises NotFoundError naming the cameras that there are.
+    Raises NotFoundError naming the cameras of the frame.
     """
     stored = recording[frame]
-    if camera == LATTICE and stored.camera is not None:
-        return stored.camera.width, stored.camera.height
-    if camera == LATTICE and stored.lattice is not None:
-        return stored.lattice.width, stored.lattice.height
-    for each in recording.projections(frame):
-        if each.name == camera:
-            return each.width, each.height
-    names = ", ".join(camera_names(recording, frame)) or "none"
-    raise NotFoundError(f"camera: expected one of frame {frame} ({names}), got {camera[:60]!r}")
+    lattice = stored.camera or stored.lattice
+    if camera == LATTICE and lattice is not None:
+        return lattice.width, lattice.height
+    found = _camera(recording, frame, camera)
+    return found.width, found.height
 
 
 def view_of(recording: Recording, frame: int, camera: str) -> View:
     """Return a frame's points, stored order, in the picture of a camera or in its depth image.
 
-    Raises NotFoundError naming the cameras that there are, BadInputError without calibration.
+    Raises NotFoundError naming the cameras of the frame, BadInputError without calibration.
     """
     stored = recording[frame]
     if camera == LATTICE and (found := lattice_pixels(stored)) is not None:
         size, pixel = found
-        away = stored.xyz - (np.zeros(3) if stored.viewpoint is None else stored.viewpoint)
-        return View.of_lattice(LATTICE, size, pixel, np.linalg.norm(away, axis=1))
-    size_of(recording, frame, camera)
-    (named,) = (each for each in recording.projections(frame) if each.name == camera)
-    return View.of_camera(named, stored.xyz + np.asarray(recording.manifest.shift))
+        eye = np.zeros(3) if stored.viewpoint is None else stored.viewpoint
+        return View.of_lattice(LATTICE, size, pixel, np.linalg.norm(stored.xyz - eye, axis=1))
+    return View.of_camera(
+        _camera(recording, frame, camera), stored.xyz + np.asarray(recording.manifest.shift)
+    )
 
 
-def require_calibrated(recording: Recording, frame: int, camera: str) -> None:
-    """Raise NotFoundError or BadInputError unless points project into a camera's picture."""
-    size_of(recording, frame, camera)
+def _camera(recording: Recording, frame: int, name: str) -> Projection:
+    """Return the camera of a picture of a frame; raises NotFoundError."""
     for each in recording.projections(frame):
-        if each.name == camera:
-            Lens.of(each)
+        if each.name == name:
+            return each
+    names = ", ".join(camera_names(recording, frame)) or "none"
+    raise NotFoundError(f"camera: expected one of frame {frame} ({names}), got {name[:60]!r}")
 
 
 def lattice_pixels(stored: StoredFrame) -> tuple[tuple[int, int], Pixels] | None:
     """Return width and height of a frame's depth image, and its points' pixels (N,), stored order.
 
-    The import keeps them for depth images; otherwise they are found by the lattice of the
-    recording.  None: the points lie in no depth image.
+    The import stores the pixels of depth images; for other recordings, points are projected into
+    the lattice of the frame.  None: the points do not fit a depth image.
     """
     pixel, camera, lattice = stored.pixel, stored.camera, stored.lattice
     if pixel is not None and camera is not None:
@@ -87,7 +84,7 @@ def lattice_pixels(stored: StoredFrame) -> tuple[tuple[int, int], Pixels] | None
 def _upright(lattice: Lattice) -> tuple[bool, bool]:
     """Return whether columns run to the right and rows down, as the camera sees them.
 
-    Cameras that look along z have y down (OpenCV), against it y up (OpenGL); others have z up.
+    Cameras that look along +z have y down (OpenCV), along -z y up (OpenGL); others have z up.
     """
     across, down = lattice.sides
     up = np.zeros(3)
