@@ -18,7 +18,7 @@ from pointbrush.formats import Limits
 from pointbrush.formats.annotation import find_label_files
 from pointbrush.formats.masks.mask import Mask
 from pointbrush.formats.masks.registry import read_masks
-from pointbrush.formats.masks.rle import compressed, decompressed, mask_of, runs_of
+from pointbrush.formats.masks.rle import compress_runs, decompress_runs, mask_of_runs, runs_of_mask
 from pointbrush.formats.tables.datasets import ClassName
 from pointbrush.values.masks import VOID
 
@@ -194,7 +194,7 @@ CAR = {"category_id": 0, "segmentation": [[1, 0, 3, 0, 3, 3, 1, 3]], "area": 6}
 
 
 def test_coco_has_polygons_runs_and_tracks(tmp_path: Path) -> None:
-    text = {"size": [4, 6], "counts": compressed(np.array([16, 3, 1, 3, 1]))}
+    text = {"size": [4, 6], "counts": compress_runs(np.array([16, 3, 1, 3, 1]))}
     for man in (MAN, {**MAN, "segmentation": text}):
         coco(tmp_path, CAR | {"track_id": 5}, man | {"attributes": {"track_id": 9}})
         format, found = read(tmp_path)
@@ -225,7 +225,7 @@ def test_a_small_object_of_coco_lies_over_a_large_one(tmp_path: Path) -> None:
     [
         (
             {**MAN, "segmentation": {"size": [4, 6], "counts": [3, 4]}},
-            "runs of other than 24 pixels",
+            "runs of 7 pixels, expected 24",
         ),
         ({**MAN, "segmentation": {"size": [6, 4], "counts": [24]}}, r"height and width \[6, 4\]"),
         ({**CAR, "segmentation": [[1, 2, 3, 4]]}, "a polygon of 4 numbers"),
@@ -269,10 +269,10 @@ masks = st.builds(
 
 @given(masks)
 def test_runs_are_those_of_the_coco_api(mask: np.ndarray) -> None:
-    runs = runs_of(mask)
-    assert (mask_of(runs, *mask.shape) == mask).all()
-    text = compressed(runs)
-    assert (decompressed(text) == runs).all()
+    runs = runs_of_mask(mask)
+    assert (mask_of_runs(runs, *mask.shape) == mask).all()
+    text = compress_runs(runs)
+    assert (decompress_runs(text) == runs).all()
     assert text == in_characters(runs.tolist())
 
 
@@ -294,7 +294,7 @@ def in_characters(runs: list[int]) -> str:
 @given(st.text(st.characters(min_codepoint=40, max_codepoint=120), max_size=40))
 def test_other_texts_are_refused_or_runs(text: str) -> None:
     try:
-        runs = decompressed(text)
+        runs = decompress_runs(text)
     except ValueError:
         return
     assert runs.dtype == np.int64
@@ -310,7 +310,7 @@ def test_a_mask_with_too_many_objects_is_refused() -> None:
 def test_damaged_files_are_refused_or_read(data: st.DataObject) -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        text = {"size": [4, 6], "counts": compressed(np.array([16, 3, 1, 3, 1]))}
+        text = {"size": [4, 6], "counts": compress_runs(np.array([16, 3, 1, 3, 1]))}
         coco(folder, CAR | {"track_id": 5}, {**MAN, "segmentation": text})
         indexed(folder / "front.png")
         path = folder / data.draw(st.sampled_from(["front.png", "instances_default.json"]))

@@ -30,7 +30,7 @@ NAMES = (
     *("labelmap.txt", "label_colors.txt", "class_names.txt", "classes.txt", "labels.txt"),
     *("obj.names", "data.yaml", "dataset.yaml", "classes.json", "labels.json"),
 )
-"""Files of classes, in the order of trial."""
+"""Names of files of classes, by precedence."""
 BACKGROUND = (*NO_CLASS, "background", "ignored")
 _COLORED = re.compile(r"([^:#]+):(\d{1,3}),(\d{1,3}),(\d{1,3}):[^:]*:[^:]*")
 _CAMVID = re.compile(r"(\d{1,3})\s+(\d{1,3})\s+(\d{1,3})\s+(\S.*)", re.ASCII)
@@ -39,10 +39,10 @@ _NUMBERED = re.compile(r"\d+\s*[:,;\s]\s*\S.*", re.ASCII)
 
 @dataclass(frozen=True, slots=True)
 class MaskClasses:
-    """``names`` by number; ``colors``: numbers by colour 0xrrggbb, None for no class.
+    """``names`` of classes by number; ``colors``: numbers by colour 0xrrggbb, None for no class.
 
-    ``file``: name of the file that states them, "" without one; ``by_color``: the file has no
-    numbers, so that the colours of a palette count, not its indices.
+    ``file``: name of the file that states them, "" without one; ``by_color``: the file has colours
+    and no numbers, so that the colours of a palette identify the classes, not its indices.
     """
 
     file: str = ""
@@ -59,7 +59,7 @@ def classes_file(mask: Path) -> Path | None:
 
 
 def read_classes(mask: Path, *, counted_from: int | None = None) -> MaskClasses:
-    """Read the classes of a mask from the file beside it or above, none without such a file.
+    """Return the classes of a mask from the file beside it or above; none without such a file.
 
     ``counted_from``: number of the first name in a file without numbers; None: 0 if this name
     means no class, otherwise 1.  Raises BadInputError.
@@ -67,17 +67,17 @@ def read_classes(mask: Path, *, counted_from: int | None = None) -> MaskClasses:
     path = classes_file(mask)
     if path is None:
         return MaskClasses()
-    if path.stat().st_size > MAP_BYTES:
-        raise BadInputError(f"{path.name}: expected at most {MAP_BYTES:,} bytes")
+    if (size := path.stat().st_size) > MAP_BYTES:
+        raise BadInputError(f"{path.name}: expected at most {MAP_BYTES:,} bytes, got {size:,}")
     text = read_bytes(path).decode("utf-8-sig", "replace")
     if path.suffix in (".json", ".yaml"):
         return _of_document(path.name, text, counted_from)
     lines = [line.strip() for line in text.splitlines()]
     lines = [line for line in lines if line and not line.startswith("#")]
     for pattern, order in ((_COLORED, (0, 1, 2, 3)), (_CAMVID, (3, 0, 1, 2))):
-        found = [pattern.fullmatch(line) for line in lines]
-        if lines and all(found):
-            rows = [[each.group(k + 1) for k in order] for each in found if each]
+        matches = [pattern.fullmatch(line) for line in lines]
+        if lines and all(matches):
+            rows = [[each.group(k + 1) for k in order] for each in matches if each]
             return _of_colors(path.name, rows)
     if lines and all(map(_NUMBERED.fullmatch, lines)):
         return _of_numbers(path.name, parse_map(path.name, text))
@@ -116,14 +116,14 @@ def _of_names(file: str, names: Sequence[Any], counted_from: int | None) -> Mask
 
 
 def _of_document(file: str, text: str, counted_from: int | None) -> MaskClasses:
-    """Parse YOLO's ``names``, a list of names, names with numbers, or as ``parse_map`` does."""
+    """Return the classes of YOLO's ``names``, a list of names, names with numbers, or a map."""
     content = _parsed(file, text)
     keys = ("names", "classes", "categories")
-    held = isinstance(content, dict) and next((content[k] for k in keys if k in content), None)
-    found = held or content
-    if isinstance(found, list) and all(isinstance(each, str) for each in found):
-        return _of_names(file, found, counted_from)
-    pairs = [*found.items()] if isinstance(found, dict) else []
+    inside = isinstance(content, dict) and next((content[k] for k in keys if k in content), None)
+    names = inside or content
+    if isinstance(names, list) and all(isinstance(each, str) for each in names):
+        return _of_names(file, names, counted_from)
+    pairs = [*names.items()] if isinstance(names, dict) else []
     if pairs and all(type(value) is int for _, value in pairs):
         pairs = [(number, name) for name, number in pairs]
     if pairs and all(isinstance(name, str) for _, name in pairs):

@@ -23,8 +23,8 @@ from pointbrush.formats.masks.mask import (
     Size,
     require_size,
 )
-from pointbrush.formats.masks.polygons import fill
-from pointbrush.formats.masks.rle import decompressed, mask_of
+from pointbrush.formats.masks.polygons import fill_polygon
+from pointbrush.formats.masks.rle import decompress_runs, mask_of_runs
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.tables.class_maps import GREATEST_CLASS, LONGEST_NAME
 from pointbrush.formats.tables.datasets import ClassName
@@ -35,9 +35,11 @@ EDGE = 1 << 16
 KEYS = (b'"images"', b'"annotations"', b'"categories"', b'"segmentation"')
 FRAME, TRACK = "frame_id", "track_id"
 HOLES = "holes"
-"""Key of pixels that an image of our export says nothing about."""
+"""Field of an image in our export: run lengths of its pixels without evidence."""
 MOST_TRACK = 1 << 31
+"""Upper bound of track ids."""
 LONGEST_PATH = 200
+"""Most characters of an image's path that are kept."""
 FARTHEST = 1e6
 """Greatest coordinate of a polygon, pixels."""
 
@@ -56,24 +58,25 @@ def is_coco(path: Path) -> bool:
 
 
 def read_coco(path: Path, name: str, *, own: bool) -> tuple[list[MaskFile], dict[int, ClassName]]:
-    """Return the masks of a file of a name, and its classes.
+    """Return the masks of a file, and its classes by number.
 
-    ``own``: an export of pointbrush, in which tracks are labels and images have frames.
+    ``name``: path that the names of masks begin with; ``own``: an export of pointbrush, in which
+    tracks are ids of labels and images state their frames.
     Raises BadInputError naming the file and the entry.
     """
     try:
         document = parse_json(read_bytes(path))
         names = {int(each["id"]): _class(each["name"]) for each in document["categories"]}
         images = {each["id"]: each for each in document["images"]}
-        found: dict[int, list[Document]] = {number: [] for number in images}
+        of_image: dict[int, list[Document]] = {number: [] for number in images}
         for each in document["annotations"]:
             if each.get("segmentation"):
-                found[each["image_id"]].append(each)
+                of_image[each["image_id"]].append(each)
         # Tracks of some tools count from 0, which means no object here.
-        tracks = {_track(each) for many in found.values() for each in many}
+        tracks = {_track(each) for annotations in of_image.values() for each in annotations}
         shift = 1 if 0 in tracks else 0
         masks = [
-            _mask_file(name, image, found[number], shift, own=own)
+            _mask_file(name, image, of_image[number], shift, own=own)
             for number, image in images.items()
         ]
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
@@ -95,8 +98,8 @@ def _class(name: object) -> ClassName:
 def _track(annotation: Document) -> int | None:
     """Return the number of an object through the recording, or None."""
     attributes = annotation.get("attributes")
-    held = attributes.get(TRACK) if isinstance(attributes, dict) else None
-    track = annotation.get(TRACK, held)
+    in_attributes = attributes.get(TRACK) if isinstance(attributes, dict) else None
+    track = annotation.get(TRACK, in_attributes)
     if track is not None and not 0 <= int(track) < MOST_TRACK:
         raise ValueError(f"track id {str(track)[:20]}, expected 0 to {MOST_TRACK - 1:,}")
     return None if track is None else int(track)
@@ -128,7 +131,7 @@ def _mask_file(
 def _read(
     where: str, size: Size, annotations: Sequence[tuple[Key | None, Document]], expected: Size
 ) -> Mask:
-    """Draw the annotations of an image, each over the ones before."""
+    """Return the mask of an image: its annotations, each drawn over the ones before."""
     require_size(where, size, expected)
     drawing = MaskDrawing(size)
     for key, each in annotations:
@@ -149,12 +152,12 @@ def _shape(segmentation: Any, size: Size) -> NDArray[np.bool_]:
         if stated != [height, width]:
             raise ValueError(f"runs of height and width {stated}, expected {[height, width]}")
         counts = segmentation["counts"]
-        runs = decompressed(counts) if isinstance(counts, str) else np.array(counts, np.int64)
-        return mask_of(runs, height, width)
+        runs = decompress_runs(counts) if isinstance(counts, str) else np.array(counts, np.int64)
+        return mask_of_runs(runs, height, width)
     shape = np.zeros((height, width), np.bool_)
     for polygon in segmentation:
         corners = np.array(polygon, np.float64)
         if corners.size < 6 or corners.size % 2 or not (np.abs(corners) < FARTHEST).all():
             raise ValueError(f"a polygon of {corners.size} numbers, expected x, y of 3 corners")
-        fill(shape, corners.reshape(-1, 2))
+        fill_polygon(shape, corners.reshape(-1, 2))
     return shape

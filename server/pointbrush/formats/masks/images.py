@@ -47,10 +47,10 @@ MOST_COLORS = 256
 VOC_BORDER = 0xE0E0C0
 """Colour of the borders of objects in VOC's masks."""
 CLASS, OBJECT = "SegmentationClass", "SegmentationObject"
-SHOWN = re.compile(r"SegmentationClassVisualization|_(gtFine_)?color$|_vis$|_overlay$")
-"""Folders and names of pictures that only show masks."""
-WHOLE = ("instanceIds", "labelIds", "labelTrainIds")
-"""Ends of the names of Cityscapes' masks of one picture, the first with all that others have."""
+ILLUSTRATION = re.compile(r"SegmentationClassVisualization|_(gtFine_)?color$|_vis$|_overlay$")
+"""Folders and names of images that illustrate masks."""
+CITYSCAPES = ("instanceIds", "labelIds", "labelTrainIds")
+"""Ends of the names of Cityscapes' masks of one picture, the most informative one first."""
 
 
 def is_mask_image(path: Path) -> bool:
@@ -67,57 +67,58 @@ def is_mask_image(path: Path) -> bool:
 
 
 def find_masks(paths: Sequence[Path]) -> list[Path]:
-    """Return the masks among images, one for each picture, without images that only show masks."""
-    shown = [path for path in paths if not SHOWN.search(f"{path.parent.name}/{path.stem}")]
-    stems = {path: _stem(path) for path in shown}
+    """Return the most informative mask of each picture, without images that illustrate masks."""
+    masks = [path for path in paths if not ILLUSTRATION.search(f"{path.parent.name}/{path.stem}")]
     best: dict[Path, Path] = {}
-    for path in sorted(shown, key=_order):
-        best.setdefault(stems[path], path)
+    for path in sorted(masks, key=_rank):
+        best.setdefault(_without_kind(path), path)
     return sorted(best.values())
 
 
-def _stem(path: Path) -> Path:
-    """Return the path of a mask without its kind, which all masks of a picture share."""
+def _without_kind(path: Path) -> Path:
+    """Return the path of a mask without its kind; all masks of a picture share it."""
     folder = path.parent.parent / CLASS if path.parent.name == OBJECT else path.parent
-    return folder / re.sub(f"_({'|'.join(WHOLE)})$", "", path.stem)
+    return folder / re.sub(f"_({'|'.join(CITYSCAPES)})$", "", path.stem)
 
 
-def _order(path: Path) -> tuple[int, Path]:
-    """Return the place of a mask among those of its picture."""
-    ends = next((k for k, end in enumerate(WHOLE) if path.stem.endswith(f"_{end}")), len(WHOLE))
-    return (len(WHOLE) + 1 if path.parent.name == OBJECT else ends), path
+def _rank(path: Path) -> tuple[bool, int, Path]:
+    """Return a sort key that puts the most informative mask of a picture first."""
+    kinds = [*(path.stem.endswith(f"_{end}") for end in CITYSCAPES), True]
+    return path.parent.name == OBJECT, kinds.index(True), path
 
 
 @dataclass(slots=True, eq=False)
 class ImageMasks:
     """Reader of the images of one import.
 
-    ``names``: classes by number, which it adds to as it meets colours without a class.
-    ``own``: numbers are ids of labels in a palette of pointbrush.
+    ``names``: classes by number; reading adds colours that no file names.  ``own``: numbers are
+    ids of labels in a palette of pointbrush.
     """
 
     classes: MaskClasses
     names: dict[int, ClassName]
     own: bool = False
-    _met: dict[int, int] = field(default_factory=dict)
-    """Numbers of colours without a file that names them."""
+    _color_numbers: dict[int, int] = field(default_factory=dict)
+    """Class numbers of the colours that no file names."""
 
     @classmethod
-    def of(cls, first: Path, given: Mapping[int, ClassName], *, own: bool) -> ImageMasks:
-        """Return the reader of masks beside ``first``; ``given``: names from the caller."""
+    def of(cls, first: Path, names: Mapping[int, ClassName], *, own: bool) -> ImageMasks:
+        """Return a reader with the classes of the mask ``first``; ``names``: from the caller."""
         classes = MaskClasses() if own else read_classes(first)
-        return cls(classes, {**classes.names, **given}, own)
+        return cls(classes, {**classes.names, **names}, own)
 
     def masks(self, paths: Mapping[Path, str], frames: Mapping[Path, int]) -> list[MaskFile]:
-        """Return the masks of images by path and name.
+        """Return the masks of images.
 
-        ``frames``: frames by path in an export of pointbrush.
+        ``paths``: names of the images; ``frames``: frames by path in an export of pointbrush.
+        Raises BadInputError for objects without classes.
         """
         alone = [path for path in paths if path.parent.name == OBJECT]
         if alone and not self.own:
+            file = alone[0].name
             raise BadInputError(
-                f"{alone[0].parent.name}/{alone[0].name}: expected the classes of the objects in "
-                f"{CLASS}/{alone[0].name}, got no such file"
+                f"{OBJECT}/{file}: expected the classes of the objects in {CLASS}/{file}, got no "
+                "such file"
             )
         return [
             MaskFile(name, partial(self.read, path), frames.get(path))
@@ -125,16 +126,16 @@ class ImageMasks:
         ]
 
     def read(self, path: Path, size: Size) -> Mask:
-        """Read a mask.  Raises BadInputError."""
+        """Return the mask of a picture of a size.  Raises BadInputError."""
         name = f"{path.parent.name}/{path.name}"
         image = read_png(name, read_bytes(path), size)
-        found, place = distinct(_pixels(image, colored=self.classes.by_color))
-        keys = self._keys(image.mode, found.tolist(), name)
+        values, place = distinct(_pixels(image, colored=self.classes.by_color))
+        keys = self._keys(image.mode, values.tolist(), name)
         if (objects := _objects_of(path)) is not None:
             where = f"{OBJECT}/{objects.name}"
-            numbers, theirs = distinct(_pixels(read_png(where, read_bytes(objects), size)))
+            numbers, number_place = distinct(_pixels(read_png(where, read_bytes(objects), size)))
             count, first = len(numbers), int(numbers[0] > 0)
-            pairs, place = distinct(place.astype(np.int64) * count + theirs)
+            pairs, place = distinct(place.astype(np.int64) * count + number_place)
             keys = [_with_object(keys[k // count], k % count + first) for k in pairs.tolist()]
         return Mask.of_keys(name, keys, place)
 
@@ -151,24 +152,23 @@ class ImageMasks:
         return [self._of_index(value) for value in values]
 
     def _has_colors(self, values: list[int]) -> bool:
-        """Return whether the colours of an image are of classes, rather than indices in grey."""
+        """Return whether colours are those of classes rather than indices in grey."""
         gray = all(value == (value & 255) * GRAY for value in values)
         colors = self.classes.colors
         return not gray or self.classes.by_color or any(v in colors for v in values if v)
 
     def _of_index(self, value: int, void: int = VOID_8_BIT) -> Key:
-        """Return the key of an index: the greatest one says nothing, and 0 is no class, unless they
-        have a name."""
+        """Return the key of an index: ``void`` is UNKNOWN and 0 NONE, unless they have a name."""
         if value in self.names:
             return value, 0
         return NONE if value == 0 else UNKNOWN if value == void else (value, 0)
 
     def _of_deep(self, values: list[int], name: str) -> list[Key]:
         keys = [self._of_index(value, void=VOID) for value in values]
-        met = {key[0] for key in keys} - {NONE[0], UNKNOWN[0]}
-        if self.own or met <= self.names.keys():
+        numbers = {key[0] for key in keys} - {NONE[0], UNKNOWN[0]}
+        if self.own or numbers <= self.names.keys():
             return keys
-        classes = {each // PER_CLASS if each >= PER_CLASS else each for each in met}
+        classes = {each // PER_CLASS if each >= PER_CLASS else each for each in numbers}
         if unnamed := [str(each) for each in sorted(classes - self.names.keys())]:
             stated = self.classes.file or "a classes.txt beside the masks (or --map)"
             raise BadInputError(
@@ -199,19 +199,19 @@ class ImageMasks:
                 name.split("/")[0], color, self.classes.file,
             )  # fmt: skip
             return UNKNOWN
-        number = self._met.setdefault(color, len(self._met) + 1)
-        word = f"#{color:06x}"
-        self.names.setdefault(number, ClassName(word, word))
+        number = self._color_numbers.setdefault(color, len(self._color_numbers) + 1)
+        name = f"#{color:06x}"
+        self.names.setdefault(number, ClassName(name, name))
         return number, 0
 
 
 def _with_object(key: Key, number: int) -> Key:
-    """Return the key of a class with the number of an object of one picture, 0 for none."""
+    """Return the key of a class with the number of an object of one picture alone, 0 for none."""
     return key if key in (NONE, UNKNOWN) else (key[0], -number)
 
 
 def _objects_of(path: Path) -> Path | None:
-    """Return the file with the objects of a file of classes, or None."""
+    """Return the file with the objects of the picture of a file of classes, or None."""
     beside = path.parent.parent / OBJECT / path.name
     return beside if path.parent.name == CLASS and beside.is_file() else None
 

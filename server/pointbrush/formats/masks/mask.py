@@ -16,11 +16,11 @@ from pointbrush.values.masks import VOID
 Size = tuple[int, int]
 """Width and height of a picture, pixels."""
 Key = tuple[int, int]
-"""Numbers of a class and of an object: 0 for none, negative for an object of one picture alone."""
+"""Numbers of a class and of an object; the object is 0 for none, negative in one picture alone."""
 NONE: Key = (-1, 0)
 """Key of pixels of no class."""
 UNKNOWN: Key = (-2, 0)
-"""Key of pixels that a mask says nothing about."""
+"""Key of pixels without evidence."""
 MOST_PIXELS = 64_000_000
 """Most pixels of a mask."""
 MOST_OBJECTS = 60_000
@@ -45,9 +45,10 @@ class Mask:
 
     @classmethod
     def of_keys(cls, file: str, keys: Sequence[Key], place: NDArray[np.integer]) -> Mask:
-        """Return a mask of pixels (height, width) with a place in ``keys``, NONE and UNKNOWN too.
+        """Return a mask from ``place`` (height, width), the place of each pixel's key in ``keys``.
 
-        Raises BadInputError for more than ``MOST_OBJECTS``.
+        Keys may repeat, and be NONE or UNKNOWN.  Raises BadInputError for more than
+        ``MOST_OBJECTS``.
         """
         known = [key for key in dict.fromkeys(keys) if key not in (NONE, UNKNOWN)]
         if len(known) > MOST_OBJECTS:
@@ -59,9 +60,9 @@ class Mask:
 
 
 def distinct(values: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[np.integer]]:
-    """Return the numbers (n,) in an image (height, width), sorted, and the place of each pixel's.
+    """Return the sorted numbers (n,) in an image (height, width), and the place of each pixel's.
 
-    Neighbours mostly have one number, so that few pixels need to be sorted.
+    Neighbouring pixels mostly have one number, so that few pixels need to be sorted.
     """
     flat = values.ravel()
     numbers = np.unique(flat[np.r_[True, flat[1:] != flat[:-1]]])
@@ -75,7 +76,7 @@ def distinct(values: NDArray[np.integer]) -> tuple[NDArray[np.integer], NDArray[
 
 @dataclass(slots=True, eq=False)
 class MaskDrawing:
-    """A mask that shapes are drawn into, each over the ones before."""
+    """A mask in progress: each shape is drawn over the ones before."""
 
     size: Size
     keys: list[Key] = field(default_factory=list)
@@ -85,7 +86,7 @@ class MaskDrawing:
         self.place = np.zeros(self.size[::-1], np.uint16)
 
     def draw(self, shape: NDArray[np.bool_], key: Key | None) -> None:
-        """Draw the pixels (height, width) of an object, or without evidence.
+        """Draw the pixels (height, width) of an object; ``key`` None: pixels without evidence.
 
         Raises ValueError for too many objects.
         """
@@ -107,9 +108,9 @@ class MaskDrawing:
 class MaskFile:
     """The mask of a picture in a file.
 
-    ``name``: path that names camera and frame; ``read(size)`` returns the mask of a picture of
-    this size, and raises BadInputError for a mask of another size.  ``frame``: number of the frame
-    in an export of pointbrush.
+    ``name``: path that contains camera and frame; ``read(size)`` returns the mask of a picture of
+    this size and raises BadInputError for a mask of another size.  ``frame``: number of the frame,
+    which exports of pointbrush state.
     """
 
     name: str
@@ -121,7 +122,7 @@ class MaskFile:
 class PictureMask:
     """Labels in a picture for export: ids (height, width), 0 or ``VOID``.
 
-    ``ending`` is of the picture's file.
+    ``ending``: file name extension of the picture.
     """
 
     camera: str
@@ -135,12 +136,12 @@ class PictureMask:
 
 
 def folder_of(camera: str) -> str:
-    """Return the name of a folder for a camera, as masks are written and found."""
+    """Return the name of the folder with a camera's masks."""
     return re.sub(r"[^\w.-]+", "_", composed(camera)).strip("._") or "camera"
 
 
 def require_size(file: str, size: Size, expected: Size) -> None:
-    """Raise BadInputError for a mask of another size than its picture's, or too large a one."""
+    """Raise BadInputError unless a mask has the size of its picture and at most MOST_PIXELS."""
     if size != expected:
         raise BadInputError(
             f"{file}: expected a mask of {expected[0]}x{expected[1]} pixels, the size of the "

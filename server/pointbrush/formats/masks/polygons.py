@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def fill(mask: NDArray[np.bool_], corners: NDArray[np.float64]) -> None:
-    """Set the pixels of a mask (height, width) with centres inside a polygon (n, 2), x and y.
+def fill_polygon(mask: NDArray[np.bool_], corners: NDArray[np.float64]) -> None:
+    """Set the pixels of a mask (height, width) whose centres are inside a polygon (n, 2), x and y.
 
     The first pixel's centre is at (0.5, 0.5).  Where a polygon crosses itself, the even-odd rule
     decides.
@@ -36,5 +36,5 @@ def _inside(corners: NDArray[np.float64], height: int, width: int) -> NDArray[np
 
 
 def _first(place: NDArray[np.float64], most: int) -> NDArray[np.int64]:
-    """Return the first row or column (n,) with a centre at or after each place, up to ``most``."""
+    """Return the first row or column (n,) with a centre at or after a place, up to ``most``."""
     return np.ceil(place - 0.5).clip(0, most).astype(np.int64)

@@ -16,44 +16,45 @@ MASK_FORMATS = (PNG, COCO, YOLO)
 
 
 def mask_files(paths: Sequence[Path], format: str, *, sure: bool) -> list[Path]:
-    """Return the files of a format of masks.
+    """Return the masks of a format among files, one for each picture.
 
-    ``sure``: only files whose content or neighbours tell the format.  The first image of a folder
-    decides whether its images are masks.
+    ``sure``: only files whose content or neighbours identify the format.  The first image of a
+    folder decides whether its images are masks.
     """
     if format == COCO:
         return [path for path in paths if is_coco(path)]
     if format == YOLO:
         return [path for path in paths if is_yolo(path, sure=sure)]
     images = [path for path in paths if path.suffix.lower() == ".png"]
-    firsts = {path.parent: path for path in reversed(images)}
-    masked = {folder for folder, first in firsts.items() if not sure or is_mask_image(first)}
-    return find_masks([path for path in images if path.parent in masked])
+    first_images = {path.parent: path for path in reversed(images)}
+    folders = {folder for folder, first in first_images.items() if not sure or is_mask_image(first)}
+    return find_masks([path for path in images if path.parent in folders])
 
 
 def read_masks(
     paths: Mapping[Path, str],
     format: str,
-    given: Mapping[int, ClassName],
+    names: Mapping[int, ClassName],
     frames: Mapping[Path, int],
     *,
     own: bool,
 ) -> tuple[list[MaskFile], dict[int, ClassName]]:
-    """Return the masks in files, and classes by number, which reading colours may add to.
+    """Return the masks in files, and the classes by number.
 
-    ``paths``: names of files, which tell camera and frame; ``given``: names of classes from the
-    caller; ``frames``: frames by path in an export of pointbrush; ``own``: numbers are ids of
-    labels in a palette of pointbrush.  Raises BadInputError.
+    Reading a mask may add colours to the classes.  ``paths``: names of files, which contain camera
+    and frame; ``names``: names of classes from the caller; ``frames``: frames by path in an export
+    of pointbrush; ``own``: numbers are ids of labels in a palette of pointbrush.
+    Raises BadInputError.
     """
     if format == YOLO:
-        return read_yolo(paths, given)
+        return read_yolo(paths, names)
     if format == PNG:
-        images = ImageMasks.of(next(iter(paths)), given, own=own)
+        images = ImageMasks.of(next(iter(paths)), names, own=own)
         return images.masks(paths, frames), images.names
     masks: list[MaskFile] = []
-    names: dict[int, ClassName] = {}
+    classes: dict[int, ClassName] = {}
     for path, name in paths.items():
-        found, stated = read_coco(path, name, own=own)
-        masks += found
-        names |= stated
-    return masks, {**names, **given}
+        of_file, categories = read_coco(path, name, own=own)
+        masks += of_file
+        classes |= categories
+    return masks, {**classes, **names}

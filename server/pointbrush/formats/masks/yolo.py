@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.masks.classes import NAMES, classes_file, read_classes
 from pointbrush.formats.masks.mask import Mask, MaskDrawing, MaskFile, Size, require_size
-from pointbrush.formats.masks.polygons import fill
+from pointbrush.formats.masks.polygons import fill_polygon
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.tables.class_maps import GREATEST_CLASS
 from pointbrush.formats.tables.datasets import ClassName
@@ -20,11 +20,14 @@ from pointbrush.formats.tables.datasets import ClassName
 HEAD = 1 << 14
 """Bytes of a text that are checked for polygons."""
 MARGIN = 0.01
-"""Distance of corners beyond the picture that tools write, as a share of its size."""
+"""Most distance of a corner from the picture, as some tools write it, as a share of its size."""
 
 
 def is_yolo(path: Path, *, sure: bool) -> bool:
-    """Return whether a text's first line is a polygon; ``sure``: and classes are named beside."""
+    """Return whether a text's first line is a polygon.
+
+    ``sure``: only if a file beside the text or above it names the classes.
+    """
     if path.suffix.lower() != ".txt" or path.name in NAMES or (sure and not classes_file(path)):
         return False
     with path.open("rb") as file:
@@ -37,15 +40,18 @@ def is_yolo(path: Path, *, sure: bool) -> bool:
 
 
 def read_yolo(
-    paths: Mapping[Path, str], given: Mapping[int, ClassName]
+    paths: Mapping[Path, str], names: Mapping[int, ClassName]
 ) -> tuple[list[MaskFile], dict[int, ClassName]]:
-    """Return the masks of texts by path and name, and their classes by number from 0."""
-    names = {**read_classes(next(iter(paths)), counted_from=0).names, **given}
-    return [MaskFile(name, partial(_read, path)) for path, name in paths.items()], names
+    """Return the masks of texts, and their classes by number from 0.
+
+    ``paths``: names of the texts; ``names``: names of classes from the caller.
+    """
+    classes = {**read_classes(next(iter(paths)), counted_from=0).names, **names}
+    return [MaskFile(name, partial(_read, path)) for path, name in paths.items()], classes
 
 
 def _read(path: Path, size: Size) -> Mask:
-    """Draw the polygons of a picture of a size, each over the ones before."""
+    """Return the mask of a picture: the polygons of a text, each drawn over the ones before."""
     require_size(path.name, size, size)
     drawing = MaskDrawing(size)
     for number, line in enumerate(read_bytes(path).decode("utf-8", "replace").splitlines(), 1):
@@ -53,7 +59,7 @@ def _read(path: Path, size: Size) -> Mask:
             try:
                 kind, corners = _polygon(line)
                 shape = np.zeros(size[::-1], np.bool_)
-                fill(shape, corners * size)
+                fill_polygon(shape, corners * size)
                 drawing.draw(shape, (kind, -number))
             except ValueError as error:
                 raise BadInputError(
@@ -64,7 +70,7 @@ def _read(path: Path, size: Size) -> Mask:
 
 
 def _polygon(line: str) -> tuple[int, NDArray[np.float64]]:
-    """Return class and corners (n, 2) of a line; raises ValueError."""
+    """Return the class and the corners (n, 2), 0 to 1, of a line; raises ValueError."""
     kind, *words = line.split()
     if len(words) == 4:
         raise ValueError("a box, which has no mask")

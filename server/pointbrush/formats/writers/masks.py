@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pointbrush.formats.masks.coco import FRAME, HOLES, TRACK
 from pointbrush.formats.masks.mask import PictureMask
 from pointbrush.formats.masks.png import write_mask
-from pointbrush.formats.masks.rle import compressed, runs_of
+from pointbrush.formats.masks.rle import compress_runs, runs_of_mask
 from pointbrush.formats.writers.labeled import ExportFrame, Palette, PaletteEntry, category_of
 from pointbrush.formats.writers.output import Output
 from pointbrush.formats.writers.points import write_palette
@@ -98,4 +98,4 @@ def _annotations(
 
 def _runs(shape: NDArray[np.bool_]) -> dict[str, Any]:
     """Return the run lengths of a shape (height, width) as in COCO."""
-    return {"size": list(shape.shape), "counts": compressed(runs_of(shape))}
+    return {"size": list(shape.shape), "counts": compress_runs(runs_of_mask(shape))}
