@@ -1,4 +1,4 @@
-"""Names of models of one's own: services that the operator allows, and installed plug-ins."""
+"""Names of users' own models: services that the operator allows, and installed plug-ins."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pointbrush.errors import BadInputError
 
 @dataclass(frozen=True, slots=True)
 class ModelNames:
-    """Models that the operator allows by name: ``addresses`` of services, and plug-ins."""
+    """Models that may be used: services, with ``addresses`` by name, and installed plug-ins."""
 
     GROUP: ClassVar[str]
     """Group of the entry points of plug-ins."""
@@ -23,23 +23,23 @@ class ModelNames:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read ``NAME=ADDRESS``, separated by commas; raises BadInputError."""
-        found: dict[str, str] = {}
+        """Return the services of ``NAME=ADDRESS``, separated by commas; raises BadInputError."""
+        addresses: dict[str, str] = {}
         for entry in filter(None, (part.strip() for part in text.split(","))):
             name, _, address = entry.partition("=")
             if not name.isidentifier() or not address.startswith(("http://", "https://")):
                 raise BadInputError(f"{cls.OPTION}: expected NAME=http://host…, got {entry!r}")
-            if name in found:
-                raise BadInputError(f"{cls.OPTION}: expected one for {name}, got two")
-            found[name] = address
-        return cls(found)
+            if name in addresses:
+                raise BadInputError(f"{cls.OPTION}: expected one address for {name}, got two")
+            addresses[name] = address
+        return cls(addresses)
 
     def names(self) -> list[str]:
-        """List the models that can be chosen."""
+        """Return the names of all models, sorted."""
         return sorted({*self.addresses, *(entry.name for entry in entry_points(group=self.GROUP))})
 
     def address(self, name: str) -> str | None:
-        """Return the address of a model, None for a plug-in; raises BadInputError (unknown)."""
+        """Return the address of a service, None for a plug-in; raises BadInputError (unknown)."""
         if name not in self.names():
             expected = ", ".join(self.names()) or "none, as this server has none"
             raise BadInputError(f"model: expected one of {expected}; got {name!r}")
@@ -47,5 +47,5 @@ class ModelNames:
 
     @classmethod
     def plug_in(cls, name: str) -> Any:
-        """Make the model of an installed plug-in."""
+        """Return a new instance of an installed plug-in."""
         return next(iter(entry_points(group=cls.GROUP, name=name))).load()()

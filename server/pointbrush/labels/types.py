@@ -24,7 +24,9 @@ TRACKED = 2
 IMPORTED = 3
 """Provenance of a point with an imported label."""
 PREDICTED = 4
-"""Provenance of a point labelled by a classifier trained on examples."""
+"""Provenance of a point that a model labelled."""
+FULL_CONFIDENCE = 255
+"""Confidence of a certain prediction; 0 is none."""
 
 
 class GapError(ConflictError):

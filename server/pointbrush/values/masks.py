@@ -1,4 +1,4 @@
-"""Masks of pictures, which labels are made from."""
+"""Labels from masks of pictures."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ MaskSource = Annotated[
     Literal["imported", "predicted", "painted"],
     Meanings(
         {
-            "imported": "of another tool; painted points stay",
-            "predicted": "of a model; only predicted points and points without a label change",
-            "painted": "of a person in the picture; all points change",
+            "imported": "of another tool; painted points keep their label",
+            "predicted": "of a model; only predicted and unlabelled points change",
+            "painted": "by a person in the picture; all points change",
         }
     ),
 ]
@@ -34,18 +34,18 @@ VOID = 65535
 
 @dataclass(frozen=True, slots=True)
 class MaskEdit(Edit):
-    """Result of masks that became labels."""
+    """Edit that labels points from masks."""
 
     seen: int
-    """Number of points in the masks' values that have a label or class."""
+    """Number of points with a value in the masks that has a label or class."""
     doubt: int
-    """Number of points that stay as they are, because they are near a border of a mask or cameras
+    """Number of points that keep their label because they are near a border of a mask or cameras
     disagree."""
 
 
 @dataclass(frozen=True, slots=True)
 class MaskPrompt(Body):
-    """Question to a model that finds masks in a picture."""
+    """Request to a model that finds masks in a picture."""
 
     model: Annotated[str, Rule(min_length=1, max_length=200)]
     """Name of a model of the server."""
@@ -56,6 +56,6 @@ class MaskPrompt(Body):
     text: Annotated[str, Rule(max_length=2_000)] = ""
     """Description of the objects."""
     label: PaintId | None = None
-    """Label of all found points; null: labels of the classes that the model names."""
+    """Label of all points behind the masks; null: labels of the classes that the model names."""
     id: Uuid | None = None
     """UUID of the edit."""

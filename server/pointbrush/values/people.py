@@ -20,9 +20,9 @@ class PeopleSearch(Body):
     frames: Annotated[tuple[FrameIndex, ...], Rule(min_length=1, max_length=100_000)] | None = None
     """Numbers of the frames; null: all frames."""
     apply: bool = False
-    """Label the people, as one edit in a job; else only return them."""
+    """True: label the people, as one edit in a job; false: only return them."""
     id: Uuid | None = None
-    """UUID of the job and of its edit: a repeated call does not begin another job."""
+    """UUID of the job and of its edit; a repeated call does not start another job."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class LabelledPeople(Value):
     changed: int
     """Number of points with a new label."""
     people: int
-    """Number of people."""
+    """Number of labelled people."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,11 +44,11 @@ class PersonPoints(PointRuns):
     frame: int
     """Number of the frame."""
     score: float
-    """Mean probability of its points, 0 to 1."""
+    """Mean probability of the person's points, 0 to 1."""
     points: int
-    """Number of its points."""
+    """Number of the person's points."""
     runs: tuple[tuple[int, int], ...]
-    """Runs of its points: first number and length."""
+    """Runs of these points: first number and length."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ class FoundPerson(Value):
     label: int | None
     """Id of this label; null: a new one."""
     frames: tuple[PersonPoints, ...]
-    """Its points in each frame in which it was found, in the order of the frames."""
+    """The person's points in each frame with the person, in the order of the frames."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -398,7 +398,7 @@ export interface FoundPerson {
   readonly color: string;
   /** Id of this label; null: a new one. */
   readonly label: number | null;
-  /** Its points in each frame in which it was found, in the order of the frames. */
+  /** The person's points in each frame with the person, in the order of the frames. */
   readonly frames: readonly PersonPoints[];
 }
 
@@ -538,7 +538,7 @@ export interface Manifest {
   readonly until: string | null;
 }
 
-/** Result of masks that became labels. */
+/** Edit that labels points from masks. */
 export interface MaskEdit {
   /** UUID of the edit. */
   readonly edit: string;
@@ -546,9 +546,9 @@ export interface MaskEdit {
   readonly changed: number;
   /** Revision of the recording after the edit. */
   readonly revision: number;
-  /** Number of points in the masks' values that have a label or class. */
+  /** Number of points with a value in the masks that has a label or class. */
   readonly seen: number;
-  /** Number of points that stay as they are, because they are near a border of a mask or cameras disagree. */
+  /** Number of points that keep their label because they are near a border of a mask or cameras disagree. */
   readonly doubt: number;
 }
 
@@ -668,11 +668,11 @@ export interface PersonFigures {
 export interface PersonPoints {
   /** Number of the frame. */
   readonly frame: number;
-  /** Mean probability of its points, 0 to 1. */
+  /** Mean probability of the person's points, 0 to 1. */
   readonly score: number;
-  /** Number of its points. */
+  /** Number of the person's points. */
   readonly points: number;
-  /** Runs of its points: first number and length. */
+  /** Runs of these points: first number and length. */
   readonly runs: readonly (readonly [number, number])[];
 }
 

@@ -69,7 +69,7 @@ def write_mask(mask: NDArray[np.uint16], colors: dict[int, str]) -> bytes:
     return out.getvalue()
 
 
-def draw_mask(mask: NDArray[np.uint16], colors: Mapping[int, str]) -> bytes:
+def write_overlay(mask: NDArray[np.uint16], colors: Mapping[int, str]) -> bytes:
     """Return a mask (H, W) as a PNG to lay over the picture; values without a colour are clear."""
     table = np.zeros((1 << 16, 4), np.uint8)
     for value, color in colors.items():

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.streaming.messages import Uuid
-from pointbrush.values.masks import MOST_BYTES, MaskEdit, MaskPrompt, MaskSource
+from pointbrush.values.masks import MOST_BYTES, VOID, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.web import npy
 from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag
 from pointbrush.web.problems import BINARY
@@ -29,11 +29,11 @@ CameraPath = Annotated[
 ]
 CONTENT = {PNG: BINARY, npy.MEDIA_TYPE: BINARY}
 LONGEST_CLASSES = 32_000
-"""Limit of the text of a query's classes; a URL has at most 64 kB."""
+"""Most characters of a query's classes; a URL has at most 64 kB."""
 
 
 async def mask_body(request: Request) -> bytearray:
-    """Read the body, if it can be a mask."""
+    """Return the body; raises TooLargeError for one that is too large for a mask."""
     return await body_within(request, MOST_BYTES, "mask")
 
 
@@ -66,14 +66,14 @@ def put_mask(
     """Label the points that a camera sees in a mask, as one edit.
 
     The body is a PNG (8-bit index or grey, 16-bit grey) or ``.npy`` array, of the picture's size.
-    Pixels of value 255 (of 16 bits: 65535) that ``classes`` does not name say nothing.
-    Points near a border of the mask stay as they are if the points around them do not decide.
+    The value 255 (of 16 bits: 65535) changes no points unless ``classes`` names it.
+    Points near a border of the mask keep their label if the points around them do not decide.
     """
     size = workspace.masks.size(seq, i, camera)
     mask = _mask(request, body, size)
-    meant = None if classes is None else parse_classes(classes)
+    labels = None if classes is None else parse_classes(classes)
     return workspace.masks.set_mask(
-        seq, i, {camera: mask}, meant, author=who.author, edit=id, source=source
+        seq, i, {camera: mask}, labels, author=who.author, edit=id, source=source
     )
 
 
@@ -89,8 +89,8 @@ def get_mask(
     format: Annotated[
         Literal["png", "npy", "picture"],
         Query(
-            description="`png`: index or grey; `npy`: uint16, in which no point is 65535; "
-            "`picture`: PNG of the labels that are shown, transparent elsewhere"
+            description="`png`: index or grey; `npy`: uint16, 65535 without a point; "
+            "`picture`: PNG of the visible labels, transparent elsewhere"
         ),
     ] = "png",
     if_none_match: Annotated[
@@ -99,22 +99,22 @@ def get_mask(
 ) -> Response:
     """Return the label of each pixel of a camera's picture.
 
-    A PNG with an index and the colours of labels; 255 (transparent): no point is seen there.  If a
-    label id is over 254: 16-bit grey, in which no point is 65535.
+    A PNG of 8-bit indices with the colours of the labels; 255 (transparent): the camera sees no
+    point there.  If a label id is over 254: 16-bit grey, 65535 without a point.
     """
-    from pointbrush.formats.masks.png import draw_mask, write_mask  # loads Pillow
+    from pointbrush.formats.masks.png import write_mask, write_overlay  # loads Pillow
 
-    mask, revision = workspace.masks.mask_of(seq, i, camera)
-    colors = {label.id: label.color for label in workspace.labels.palette(seq)}
+    mask, revision = workspace.masks.label_mask(seq, i, camera)
     headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
     if if_none_match is not None and etag(revision) in if_none_match:
         return Response(status_code=304, headers=headers)
-    if format == "picture":
-        shown = {label.id: label.color for label in workspace.labels.palette(seq) if label.visible}
-        return Response(draw_mask(mask, shown), media_type=PNG, headers=headers)
-    if format == "png":
-        return Response(write_mask(mask, colors), media_type=PNG, headers=headers)
-    return Response(npy.of_array(mask), media_type=npy.MEDIA_TYPE, headers=headers)
+    if format == "npy":
+        return Response(npy.of_array(mask), media_type=npy.MEDIA_TYPE, headers=headers)
+    palette = workspace.labels.palette(seq)
+    overlay = format == "picture"
+    colors = {label.id: label.color for label in palette if label.visible or not overlay}
+    content = write_overlay(mask, colors) if overlay else write_mask(mask, colors)
+    return Response(content, media_type=PNG, headers=headers)
 
 
 @router.post(
@@ -123,11 +123,12 @@ def get_mask(
 def predict_mask(
     seq: SequenceId, i: FramePath, camera: CameraPath, body: MaskPrompt, workspace: Ws, who: Caller
 ) -> MaskEdit:
-    """Label the points that a camera sees in the masks of a model; one edit of provenance 4."""
+    """Label the points behind the masks of a model, as one edit with the provenance 4."""
     return workspace.masks.predict(seq, i, camera, body, author=who.author)
 
 
 def _mask(request: Request, body: bytearray, size: tuple[int, int]) -> NDArray[Any]:
+    """Return the mask (H, W) in a body of PNG or ``.npy``; ``size``: width and height."""
     from pointbrush.formats.masks.png import read_mask  # loads Pillow
 
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
@@ -137,18 +138,17 @@ def _mask(request: Request, body: bytearray, size: tuple[int, int]) -> NDArray[A
 
 
 def parse_classes(text: str) -> Classes:
-    """Return label ids or names by value; raises BadInputError."""
+    """Return label ids or names by value from JSON; raises BadInputError."""
     try:
-        given = json.loads(text)
-        pairs = {int(value): meant for value, meant in given.items()}
+        classes = {int(value): label for value, label in json.loads(text).items()}
     except (ValueError, AttributeError, RecursionError):
         raise BadInputError(
             f'classes: expected JSON as {{"1": "car", "2": 7}}, got {text[:60]!r}'
         ) from None
-    for value, meant in pairs.items():
-        if not 0 <= value < 1 << 16 or isinstance(meant, bool) or not isinstance(meant, int | str):
+    for value, label in classes.items():
+        if not 0 <= value <= VOID or isinstance(label, bool) or not isinstance(label, int | str):
             raise BadInputError(
-                "classes: expected values 0 to 65535 with a label id or name each, got "
-                f"{value}: {str(meant)[:60]!r}"
+                f"classes: expected values 0 to {VOID} with a label id or name each, got "
+                f"{value}: {str(label)[:60]!r}"
             )
-    return pairs
+    return classes

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError, LockedLabelError
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.packing import BLOCK
-from pointbrush.labels.types import IMPORTED, PREDICTED
+from pointbrush.labels.types import FULL_CONFIDENCE, IMPORTED, PREDICTED
 from pointbrush.labels.versions import PastLabels
 from pointbrush.sequences import Sequence as Recording
 
@@ -27,8 +27,6 @@ LAYERS: dict[str, type] = {
 PIECE_POINTS = 16 * BLOCK
 """Number of points compared at once: whole blocks of the journal."""
 READ_POINTS = 1_000_000
-SUREST = 255
-"""Greatest confidence of a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -158,7 +156,8 @@ class KeptAnnotation:
         for values in store.runs(sequence, frame, READ_POINTS):
             self.revision = values.changed
             if above > 0:
-                unsure = (values.provenance == PREDICTED) & (values.confidence < above * SUREST)
+                below = values.confidence < above * FULL_CONFIDENCE
+                unsure = (values.provenance == PREDICTED) & below
                 values.label[unsure] = values.provenance[unsure] = 0
             self._pieces.append({name: Packed.of(getattr(values, name)) for name in layers})
             counts = np.bincount(values.label[~values.deleted], minlength=len(self.sizes))

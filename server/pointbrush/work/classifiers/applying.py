@@ -21,7 +21,7 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
-from pointbrush.labels.types import PREDICTED
+from pointbrush.labels.types import FULL_CONFIDENCE, PREDICTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
@@ -36,8 +36,6 @@ from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
-
-SUREST = 255
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -215,7 +213,7 @@ class _Prediction(Receiver):
 
     def _writes(self, ids: NDArray[np.uint16]) -> Iterator[tuple[int, Write]]:
         above = self.request.options.above
-        least = (self.model.above if above is None else above) * SUREST
+        least = (self.model.above if above is None else above) * FULL_CONFIDENCE
         for each in self.items:
             label, sure = ids[each.kind.values()], each.confidence.values()
             kept = np.flatnonzero((label > 0) & (sure >= least))

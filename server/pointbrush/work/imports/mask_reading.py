@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import chain
 from pathlib import Path, PurePath
 
 import numpy as np
@@ -23,12 +22,12 @@ from pointbrush.values.masks import VOID
 from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.frame_labels import FrameLabels, Unmatched, frame_names
 from pointbrush.work.imports.naming import Key, Naming
-from pointbrush.work.masks.service import lifted
+from pointbrush.work.masks.service import lift_masks
 from pointbrush.work.masks.views import camera_names, size_of
 
 ByCamera = dict[str, MaskFile]
-EXACT = LiftOptions(pixel_error=0.0, metre_error=0.0)
-"""Options for our exports, in which each point is in the pixel where it was drawn."""
+EXPORT_OPTIONS = LiftOptions(pixel_error=0.0, metre_error=0.0)
+"""Options for masks that pointbrush exported: each point is in the pixel where it was drawn."""
 
 
 def read_mask_labels(
@@ -36,9 +35,9 @@ def read_mask_labels(
 ) -> None:
     """Send the labels of each frame from masks, then the names of classes.
 
-    ``root``: folder from which the paths of masks are read as names of cameras and frames.
-    Raises BadInputError for masks of another size, without a camera or frame, of a camera without
-    calibration.
+    ``root``: folder that the names of masks are relative to; they contain cameras and frames.
+    Raises BadInputError for masks of another size, without a camera or frame, or of a camera
+    without calibration.
     """
     names = {path: path.relative_to(root).as_posix() for path in files.paths}
     frames = files.export.frames if files.export else {}
@@ -47,9 +46,9 @@ def read_mask_labels(
     for name in unmatched:
         channel.item(Unmatched(name))
     keys: set[Key] = set()
-    alone, options = len(masks) == 1, EXACT if files.export else LiftOptions()
+    options = EXPORT_OPTIONS if files.export else LiftOptions()
     for done, (frame, of_frame) in enumerate(sorted(by_frame.items()), 1):
-        found = _frame_labels(recording, frame, of_frame, options, alone=alone)
+        found = _frame_labels(recording, frame, of_frame, options, single=len(masks) == 1)
         keys.update(found.keys)
         require_few(keys)
         channel.item(found)
@@ -60,28 +59,27 @@ def read_mask_labels(
 def _frames(
     masks: Sequence[MaskFile], format: str, recording: Recording, *, by_order: bool
 ) -> tuple[dict[int, ByCamera], list[str]]:
-    """Return the masks by frame and camera, and the names of masks of no frame.
-
-    Tables of pictures may be of more frames than the recording; files may not.
-    """
-    there = [camera_names(recording, frame) for frame in range(len(recording))]
-    cameras = list(dict.fromkeys(chain.from_iterable(there)))
+    """Return the masks by frame and camera, and the names of masks without a frame."""
+    pictures = [
+        (frame, name) for frame in range(len(recording)) for name in camera_names(recording, frame)
+    ]
+    cameras = list(dict.fromkeys(name for _, name in pictures))
     if not cameras:
         raise BadInputError(
             "masks: expected a recording with pictures of cameras or of a depth camera, got neither"
         )
     of_camera: dict[str, list[MaskFile]] = {}
     for mask in masks:
-        of_camera.setdefault(_camera(mask.name, cameras), []).append(mask)
+        of_camera.setdefault(_camera_of(mask.name, cameras), []).append(mask)
     by_frame: dict[int, ByCamera] = {}
     unmatched: list[str] = []
-    known = frame_names(recording.manifest)
+    known, without_mask = frame_names(recording.manifest), set(pictures)
     for camera, of_one in of_camera.items():
         for mask, frame in zip(of_one, _matched(of_one, format, known, by_order), strict=True):
-            inside = frame is not None and 0 <= frame < len(there) and camera in there[frame]
-            if frame is None or not inside or camera in by_frame.get(frame, {}):
+            if frame is None or (frame, camera) not in without_mask:
                 unmatched.append(mask.name)
             else:
+                without_mask.remove((frame, camera))
                 by_frame.setdefault(frame, {})[camera] = mask
     return by_frame, unmatched
 
@@ -89,7 +87,11 @@ def _frames(
 def _matched(
     masks: Sequence[MaskFile], format: str, known: Sequence[FrameName], by_order: bool
 ) -> Sequence[int | None]:
-    """Return the frame of each mask of a camera.  Raises the errors of ``match``."""
+    """Return the frame of each mask of a camera, None for masks without one.
+
+    A COCO file may list pictures of more frames than the recording has; files of masks may not.
+    Raises the errors of ``match``.
+    """
     if all(mask.frame is not None for mask in masks):
         return [mask.frame for mask in masks]
     files = [mask.name for mask in masks]
@@ -100,10 +102,10 @@ def _matched(
     return match(files, known, by_order=by_order)
 
 
-def _camera(name: str, cameras: Sequence[str]) -> str:
-    """Return the camera whose name is a folder of a file, or a word of its name; the only one.
+def _camera_of(name: str, cameras: Sequence[str]) -> str:
+    """Return the camera whose name is a folder of a mask or a word in its path; else the only one.
 
-    Raises BadInputError if there are several cameras and none of them is named.
+    Raises BadInputError if there are several cameras and the path names none of them.
     """
     parts = [*reversed(PurePath(name).parent.parts), PurePath(name).stem]
     folders = {folder_of(camera).lower(): camera for camera in cameras}
@@ -123,12 +125,12 @@ def _camera(name: str, cameras: Sequence[str]) -> str:
 
 
 def _frame_labels(
-    recording: Recording, frame: int, masks: ByCamera, options: LiftOptions, *, alone: bool
+    recording: Recording, frame: int, masks: ByCamera, options: LiftOptions, *, single: bool
 ) -> FrameLabels:
-    """Return the labels of the points of a frame that are seen in its masks.
+    """Return the labels of a frame's points behind its masks.
 
-    ``alone``: objects of one picture are labels of their own; otherwise they have the label of
-    their class, as no number tells them from objects of other pictures.
+    ``single``: the import has one mask.  Only then objects of one picture are separate labels:
+    their numbers do not identify them in other pictures.
     """
     keys: dict[Key, int] = {}
     images: dict[str, NDArray[np.uint16]] = {}
@@ -137,24 +139,25 @@ def _frame_labels(
         values = np.full(1 << 16, VOID, np.uint16)
         values[0] = 0
         for place, key in enumerate(mask.keys, 1):
-            values[place] = keys.setdefault(_key(key, alone=alone), len(keys) + 1)
+            values[place] = keys.setdefault(_key(key, single=single), len(keys) + 1)
         images[camera] = values[mask.place]
-    found = recording[frame].to_source(lifted(recording, frame, images, options))
-    rows = np.flatnonzero(found > 0)
-    used, which = np.unique(found[rows], return_inverse=True)
-    listed, names = list(keys), [mask.name for mask in masks.values()]
+    number = recording[frame].to_source(lift_masks(recording, frame, images, options))
+    rows = np.flatnonzero(number > 0)
+    used, key_index = np.unique(number[rows], return_inverse=True)
+    all_keys, names = list(keys), [mask.name for mask in masks.values()]
     return FrameLabels(
         frame,
         names[0],
         rows,
-        which,
-        tuple(listed[value - 1] for value in used.tolist()),
+        key_index,
+        tuple(all_keys[value - 1] for value in used.tolist()),
         tuple(names[1:]),
         only="not_painted",
-        doubtful=int((found < 0).sum()),
+        doubtful=int((number < 0).sum()),
     )
 
 
-def _key(key: MaskKey, *, alone: bool) -> Key:
+def _key(key: MaskKey, *, single: bool) -> Key:
+    """Return the class and the instance of a label, 0 for none."""
     number, instance = key
-    return number, instance if instance >= 0 else -instance if alone else 0
+    return number, instance if instance >= 0 else -instance if single else 0

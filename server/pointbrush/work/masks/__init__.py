@@ -1,1 +1,1 @@
-"""Masks of the pictures of a recording, as labels of its points and back."""
+"""Labels of a recording's points from masks of its pictures, and masks from labels."""

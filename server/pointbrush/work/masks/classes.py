@@ -1,4 +1,4 @@
-"""Labels that the values of masks stand for."""
+"""Labels of the values of masks."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from pointbrush.labels.classes.palette import Palette, default_color
 from pointbrush.work.classifiers.naming import label_of
 
 Classes = Mapping[int, int | str]
-"""Label id, or name of a label or class, of values of masks."""
+"""Label id, or name of a label or class, by value of a mask."""
 MOST_NAMED = 20
-"""Limit of names in an error."""
+"""Most labels that an error lists."""
 
 
 def chosen_labels(
@@ -23,22 +23,22 @@ def chosen_labels(
 ) -> tuple[NDArray[np.uint16], list[Label]]:
     """Return the label id of each value (65536,), and the labels to add for them.
 
-    A class of the workspace without a label gets one; ``create``: other names get one, too.
+    A class of the workspace without a label gets one; ``create``: an unknown name gets one, too.
     Raises BadInputError for an unknown label or class.
     """
     ids, added, free = np.zeros(1 << 16, np.uint16), list[Label](), palette.free_ids()
     known = {label.id for label in palette.labels} | {0}
-    for value, meant in classes.items():
-        if isinstance(meant, int):
-            if meant not in known:
-                raise BadInputError(_unknown(palette, f"{meant} for value {value}"))
-            ids[value] = meant
+    for value, label_or_class in classes.items():
+        if isinstance(label_or_class, int):
+            if label_or_class not in known:
+                raise BadInputError(_unknown(palette, f"{label_or_class} for value {value}"))
+            ids[value] = label_or_class
             continue
-        label = _named(palette, [*palette.labels, *added], meant)
+        label = _named(palette, [*palette.labels, *added], label_or_class)
         if label is None:
-            name = palette.classes.meaning(meant)
+            name = palette.classes.meaning(label_or_class)
             if not (create or name in palette.classes.keys) or not palette.admits(name):
-                raise BadInputError(_unknown(palette, f"{meant[:60]!r} for value {value}"))
+                raise BadInputError(_unknown(palette, f"{label_or_class[:60]!r} for value {value}"))
             number = free.take((name, name))
             label = Label(number, name, name, default_color(number))
             added.append(label)
@@ -47,12 +47,13 @@ def chosen_labels(
 
 
 def _named(palette: Palette, labels: list[Label], name: str) -> Label | None:
-    """Return the label with a name, or that of a class."""
-    own = next((label for label in labels if label.name == name), None)
-    return own or label_of(palette.classes.meaning(name), labels)
+    """Return the label with a name, or the label of the class with this name."""
+    same_name = next((label for label in labels if label.name == name), None)
+    return same_name or label_of(palette.classes.meaning(name), labels)
 
 
 def _unknown(palette: Palette, got: str) -> str:
+    """Return the message about an unknown label or class."""
     names = [f"{label.id} {label.name!r}" for label in palette.labels[:MOST_NAMED]]
     listed = ", ".join(names) or "none yet"
     return f"classes: expected labels ({listed}) or classes of the workspace, got {got}"

@@ -20,9 +20,9 @@ from pointbrush.work.masks.views import camera_names, view_of
 def masked_frames(
     frames: Iterable[formats.ExportFrame], recording: Recording, chosen: range
 ) -> Iterator[formats.ExportFrame]:
-    """Return the frames with their labels in the pictures of calibrated cameras.
+    """Return the frames with masks of their labels in the pictures of calibrated cameras.
 
-    Raises BadInputError if ``chosen``, the numbers of the frames, have no such camera.
+    ``chosen``: numbers of the frames.  Raises BadInputError if none of them has such a camera.
     """
     if not any(_endings(recording, index) for index in chosen):
         raise BadInputError(
@@ -44,6 +44,7 @@ def _endings(recording: Recording, index: int) -> dict[str, str]:
 
 
 def _masks(frame: formats.ExportFrame, recording: Recording) -> Iterator[PictureMask]:
+    """Yield the mask of each calibrated camera of a frame."""
     blocks = [(block.label, block.deleted) for block in frame.blocks()]
     label, deleted = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
     order = recording[frame.index].source_index

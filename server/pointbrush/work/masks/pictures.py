@@ -15,10 +15,10 @@ from pointbrush.work.masks.views import lattice_pixels, size_of
 
 
 def picture_of(recording: Recording, frame: int, camera: str) -> NDArray[np.uint8]:
-    """Return the colours (H, W, 3) of a camera's picture, or of the depth image's points.
+    """Return the colours (H, W, 3) of a camera's picture, or of the points of the depth image.
 
-    Missing pixels of a depth image are black.  Raises NotFoundError, and BadInputError for a depth
-    image without colours.
+    Pixels of a depth image without a point are black.  Raises NotFoundError, and BadInputError for
+    a depth image without colours.
     """
     width, height = size_of(recording, frame, camera)
     stored = recording[frame]

@@ -12,7 +12,7 @@ from pointbrush.formats.masks.png import VOID_8_BIT
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
-from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, Only
+from pointbrush.labels.types import FULL_CONFIDENCE, IMPORTED, PAINTED, PREDICTED, Only
 from pointbrush.masks import LiftOptions, draw, lift
 from pointbrush.masks.models import MaskModels, Prompt
 from pointbrush.sequences import Sequence as Recording
@@ -31,21 +31,18 @@ RULES: Mapping[str, tuple[int, Only]] = {
     "painted": (PAINTED, "any"),
 }
 """Provenance of points by the source of a mask, and the points that it may change."""
-BACKGROUND = 65534
-"""Value that stands for a named value 0, which otherwise means no mask; no mask of labels has it
-by chance."""
-SUREST = 255
-"""Confidence of a predicted point without a confidence of its own."""
+NAMED_ZERO = 65534
+"""Value of pixels of value 0 if the caller names the value 0, which otherwise means no object."""
 _DEFAULTS = LiftOptions()
 
 
-def lifted(
+def lift_masks(
     recording: Recording,
     frame: int,
     masks: Mapping[str, Mask],
     options: LiftOptions = _DEFAULTS,
 ) -> NDArray[np.int32]:
-    """Return the value (N,) of masks by camera at each point, stored order: see ``masks.lift``.
+    """Return the value (N,) of masks by camera at each point, stored order, as ``masks.lift`` does.
 
     Raises NotFoundError (camera), BadInputError (size, no calibration).
     """
@@ -54,22 +51,22 @@ def lifted(
 
 
 class Masks(Part):
-    """Masks by camera and frame; a mask is an image (H, W) of whole numbers."""
+    """Labels from masks of pictures, and masks from labels; a mask is (H, W) whole numbers."""
 
     def __init__(
         self, store: LabelStore, recording: Callable[[str], Recording], models: MaskModels
     ) -> None:
-        """``models``: those that find masks in pictures."""
+        """``models``: models that find masks in pictures."""
         super().__init__(store, recording)
         self._models = models
 
     def predict(
         self, sequence: str, frame: int, camera: str, prompt: MaskPrompt, *, author: str
     ) -> MaskEdit:
-        """Label the points seen in masks that a model finds in a picture, as one edit.
+        """Label the points behind the masks that a model finds in a picture, as one edit.
 
-        Raises NotFoundError (camera, nothing found), BadInputError (model, calibration),
-        UnavailableError (no answer of the model), LockedLabelError.
+        Raises NotFoundError (camera; the model finds nothing), BadInputError (model, calibration),
+        UnavailableError (no valid answer of the model), LockedLabelError.
         """
         recording = self._recording(sequence)
         view_of(recording, frame, camera)  # raises before the model is called
@@ -101,31 +98,31 @@ class Masks(Part):
         edit: str | None = None,
         source: MaskSource = "imported",
     ) -> MaskEdit:
-        """Label the points seen in masks by camera, as one edit; several cameras vote.
+        """Label the points behind masks by camera, as one edit; several cameras vote.
 
-        ``classes``: label id or name of a label or class for each value; 0 removes labels.  Without
-        it the values are label ids, and VOID (of 8 bits: 255) says nothing.  Values that it does
-        not name change nothing.  A predicted mask adds labels of classes that the workspace lacks.
-        Painted points keep their labels, unless the mask is painted; points of locked labels do.
+        ``classes``: label id, or name of a label or class, for each value; 0 removes labels.  By
+        default the values are label ids.  Values without a label, and VOID (255 in 8 bits) unless
+        it is named, change nothing.  A predicted mask may add labels.  ``source`` decides which
+        points may change, see ``RULES``; points of locked labels never do.
         Raises NotFoundError, BadInputError (size, classes), LockedLabelError.
         """
         recording = self._recording(sequence)
-        masks = {camera: _wide(mask, classes) for camera, mask in masks.items()}
-        values = lifted(recording, frame, masks)
-        meant, create = used_classes(masks, classes), source == "predicted"
-        chosen_labels(self._store.choosing(sequence), meant, create=create)
-        seen = np.isin(values, [*meant])
-        numbers = np.flatnonzero(seen)
+        masks = {camera: _normalized(mask, classes) for camera, mask in masks.items()}
+        values = lift_masks(recording, frame, masks)
+        named, predicted = named_values(masks, classes), source == "predicted"
+        chosen_labels(self._store.choosing(sequence), named, create=predicted)
+        numbers = np.flatnonzero(np.isin(values, [*named]))
         provenance, only = RULES[source]
+        unlabelled = PAINTED if source == "painted" else 0
 
         def choose(palette: Palette) -> tuple[Sequence[Label], Writes]:
-            ids, added = chosen_labels(palette, meant, create=create)
+            ids, added = chosen_labels(palette, named, create=predicted)
             label = ids[values[numbers]]
             write = Write(
                 numbers,
                 label=label,
-                provenance=np.where(label > 0, provenance, _cleared(source)).astype(np.uint8),
-                confidence=np.where(label > 0, SUREST, 0) if source == "predicted" else None,
+                provenance=np.where(label > 0, provenance, unlabelled).astype(np.uint8),
+                confidence=np.where(label > 0, FULL_CONFIDENCE, 0) if predicted else None,
                 only=only,
                 living=True,
                 hidden=frozenset(),
@@ -137,7 +134,7 @@ class Masks(Part):
             sequence,
             edit_id=edit_id(edit),
             author=author,
-            kind="prediction" if source == "predicted" else "import",
+            kind="prediction" if predicted else "import",
             writes=choose,
             summary=f"mask of {cameras}, frame {frame}"[:200],
             identity=recording.identity,
@@ -145,7 +142,7 @@ class Masks(Part):
         return MaskEdit.of(commit, seen=len(numbers), doubt=int((values < 0).sum()))
 
     def pixel(self, sequence: str, frame: int) -> NDArray[np.uint16] | None:
-        """Return row and column (N, 2) of points in the depth image, source order, or None."""
+        """Return row and column (N, 2) of points in the depth image, source order; None: none."""
         stored = self._recording(sequence)[frame]
         found = lattice_pixels(stored)
         if found is None:
@@ -154,13 +151,13 @@ class Masks(Part):
         return stored.to_source(np.stack(np.divmod(pixel, width), axis=1).astype(np.uint16))
 
     def size(self, sequence: str, frame: int, camera: str) -> tuple[int, int]:
-        """Return width and height of a camera's picture; raises NotFoundError."""
+        """Return width and height of a camera's picture, pixels; raises NotFoundError."""
         return size_of(self._recording(sequence), frame, camera)
 
-    def mask_of(self, sequence: str, frame: int, camera: str) -> tuple[Mask, int]:
-        """Return the labels of a frame in a camera's picture (H, W) uint16, and its revision.
+    def label_mask(self, sequence: str, frame: int, camera: str) -> tuple[Mask, int]:
+        """Return the label of each pixel (H, W) uint16 of a camera's picture, and its revision.
 
-        VOID: no point is seen there.  Raises NotFoundError, BadInputError (no calibration).
+        VOID: the camera sees no point there.  Raises NotFoundError, BadInputError (no calibration).
         """
         recording = self._recording(sequence)
         count = recording[frame].count
@@ -170,32 +167,30 @@ class Masks(Part):
         return draw(view, layers["label"]), kept.revision
 
 
-def _wide(mask: Mask, classes: Classes | None) -> Mask:
-    """Return a mask (H, W) uint16 in which VOID is 65535, and a named value 0 is BACKGROUND."""
+def _normalized(mask: Mask, classes: Classes | None) -> Mask:
+    """Return a mask (H, W) uint16 in which a VOID of 8 bits is VOID, and a named 0 NAMED_ZERO."""
     named = classes or {}
-    wide = mask.astype(np.uint16)
+    normalized = mask.astype(np.uint16)
     if mask.dtype == np.uint8 and VOID_8_BIT not in named:
-        wide[mask == VOID_8_BIT] = VOID
+        normalized[mask == VOID_8_BIT] = VOID
     if 0 in named:
-        wide[mask == 0] = BACKGROUND
-    return wide
+        normalized[mask == 0] = NAMED_ZERO
+    return normalized
 
 
-def used_classes(masks: Mapping[str, Mask], classes: Classes | None) -> Classes:
-    """Return the label or class of each value of masks; raises BadInputError if none has one."""
+def named_values(masks: Mapping[str, Mask], classes: Classes | None) -> Classes:
+    """Return the label or class of each value of normalized masks.
+
+    Raises BadInputError if no pixel has one of these values.
+    """
     used = {int(value) for mask in masks.values() for value in np.unique(mask)} - {0, VOID}
-    meant: dict[int, int | str] = {value: value for value in used}
+    named: dict[int, int | str] = {value: value for value in used}
     if classes is not None:
-        meant = dict(classes)
-    if 0 in meant:
-        meant[BACKGROUND] = meant.pop(0)
-    if not used & meant.keys():
-        named = ", ".join(map(str, sorted(used)[:10])) or "only 0"
-        expected = "label ids" if classes is None else ", ".join(map(str, sorted(meant)[:10]))
-        raise BadInputError(f"mask: expected pixels of values {expected}, got {named}")
-    return meant
-
-
-def _cleared(source: MaskSource) -> int:
-    """Return the provenance of a point that a mask removes the label of."""
-    return PAINTED if source == "painted" else 0
+        named = dict(classes)
+    if 0 in named:
+        named[NAMED_ZERO] = named.pop(0)
+    if not used & named.keys():
+        got = ", ".join(map(str, sorted(used)[:10])) or "only 0"
+        expected = "label ids" if classes is None else ", ".join(map(str, sorted(named)[:10]))
+        raise BadInputError(f"mask: expected pixels of values {expected}, got {got}")
+    return named
