@@ -1,16 +1,16 @@
-/** The picture of a depth camera, from the colours and depths of its pixels. */
+/** Draws the picture of a depth camera from the colours and depths of its pixels. */
 import { sidesOf } from '../net/depth/grid';
 import type { DepthImage } from '../net/chunk/segment';
 import type { Lattice } from '../protocol/messages';
 import type { Camera } from '../protocol/values';
 import type { Vec } from '../store/types';
 
-/** The server's name of the depth camera. */
+/** Name of the depth camera: `LATTICE` of the server's `values/masks.py`. */
 const NAME = 'depth';
-/** Grey of the nearest and the farthest pixel without a colour. */
+/** Grey, of 255, of the nearest and the farthest pixel of an image without colours. */
 const [NEAREST, FARTHEST] = [235, 60];
 
-/** The depth camera as the server describes cameras; `shift`: source minus local coordinates. */
+/** Return the depth camera as a `Camera`; `shift`: source minus local coordinates, metres. */
 export function depthCamera(lattice: Lattice, shift: Vec): Camera {
   const { width, height, axis, sign, eye, tangent, pitch } = lattice;
   const [a, b] = sidesOf(lattice);
@@ -34,7 +34,7 @@ export function depthCamera(lattice: Lattice, shift: Vec): Camera {
   };
 }
 
-/** Draw the pixels that have come, in their colours or else by their depth. */
+/** Draw the pixels of an image in their colours, or without colours in greys by depth. */
 export function drawDepth({ lattice, depths, colours }: DepthImage, into: ImageData): void {
   const { data } = into;
   const farthest = colours ? 1 : depths.reduce((most, depth) => Math.max(most, depth), 1);
@@ -47,7 +47,7 @@ export function drawDepth({ lattice, depths, colours }: DepthImage, into: ImageD
   }
 }
 
-/** Write the colour of a pixel: see `Colours`. */
+/** Write the red, green and blue of a pixel to `out`, from `to` on; see `Colours`. */
 function writeColour(
   { bytes, planes, luma, step }: NonNullable<DepthImage['colours']>,
   column: number,

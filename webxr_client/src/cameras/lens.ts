@@ -1,24 +1,24 @@
-/** A camera's lens: from places to pixels and back, by the models of OpenCV and ROS. */
+/** A camera's lens by the models of OpenCV and ROS, as in the server's `masks/views.py`. */
 import type { Camera } from '../protocol/values';
 
 type Vec = readonly [number, number, number];
 
 const FISHEYE = ['equidistant', 'fisheye', 'kannala_brandt4'];
 const POLYNOMIAL = ['', 'plumb_bob', 'rational_polynomial', 'radtan'];
-/** Metres before the camera from which on points are in the picture. */
+/** Least depth of a point in the picture, metres. */
 const NEAREST = 0.05;
-/** Parts that a line is drawn in. */
+/** Number of parts that a line is drawn in. */
 const LINE_STEPS = 16;
-/** Steps of undoing a distortion, each of which comes closer (fixed point). */
+/** Number of steps of the fixed-point iteration that inverts a distortion. */
 const STEPS = 12;
 
 export class Lens {
-  /** Projection of a place: pixels, and metres ahead of the camera. */
+  /** Last projected place: column and row, pixels, and depth, metres. */
   readonly at = new Float64Array(3);
   private readonly rows: Float64Array;
   private readonly k: Float64Array;
   private readonly fisheye: boolean;
-  /** Greatest squared radius at which the distortion still grows: beyond it pictures fold over. */
+  /** Squared radius up to which the distortion grows, in focal lengths. */
   private readonly reach: number;
 
   private constructor(
@@ -38,7 +38,7 @@ export class Lens {
     this.reach = this.fisheye ? Infinity : this.unfolded();
   }
 
-  /** Of a picture in a recording with this shift; null where points do not come into it. */
+  /** Return the lens of a picture; null if its calibration or model is unknown. */
   static of(picture: Camera, shift: Vec): Lens | null {
     const { K, T_camera_frame: T, model } = picture;
     const known = FISHEYE.includes(model) || POLYNOMIAL.includes(model);
@@ -46,7 +46,7 @@ export class Lens {
     return new Lens(picture, K, T, shift);
   }
 
-  /** Write to `at` where a place (local metres) is in the picture; false when it is not in it. */
+  /** Project a place (local metres) to `at`; return whether it is in the picture. */
   project(x: number, y: number, z: number): boolean {
     const { rows, at, k, picture } = this;
     const depth = rows[8]! * x + rows[9]! * y + rows[10]! * z + rows[11]!;
@@ -63,7 +63,7 @@ export class Lens {
     return u >= 0 && v >= 0 && u < picture.width && v < picture.height;
   }
 
-  /** SVG path of lines, given by pairs of ends (local metres), bent as in the picture. */
+  /** Return the SVG path of lines, bent as in the picture; `ends`: pairs of ends, local metres. */
   lines(ends: readonly number[]): string {
     let path = '';
     for (let line = 0; line < ends.length; line += 6) {
@@ -72,7 +72,7 @@ export class Lens {
         const share = step / LINE_STEPS;
         const along = (k: number): number =>
           ends[line + k]! + share * (ends[line + 3 + k]! - ends[line + k]!);
-        // A line that leaves the picture is continued where it enters again.
+        // A line that leaves the picture continues where it enters again.
         const seen = this.project(along(0), along(1), along(2));
         if (seen) path += `${drawn ? 'L' : 'M'}${this.at[0]!.toFixed(1)} ${this.at[1]!.toFixed(1)}`;
         drawn = seen;
@@ -81,7 +81,7 @@ export class Lens {
     return path;
   }
 
-  /** Bend the undistorted place in `at`. */
+  /** Distort the place in `at`, at a depth of 1. */
   private distort(): void {
     const { at } = this;
     const d = this.picture.distortion;
@@ -103,6 +103,7 @@ export class Lens {
     at[1] = y * radial + c(d, 2) * (r2 + 2 * y * y) + 2 * c(d, 3) * x * y;
   }
 
+  /** Return the squared radius up to which the distortion grows, in focal lengths. */
   private unfolded(): number {
     const d = this.picture.distortion;
     for (let r = 0.05; r < 5; r += 0.05) {
@@ -112,7 +113,7 @@ export class Lens {
     return Infinity;
   }
 
-  /** The direction (local, unit length) in which a pixel looks. */
+  /** Return the direction (local, unit length) of the ray through a pixel. */
   direction(u: number, v: number): [number, number, number] {
     const { k, at, rows } = this;
     const y = (v - k[4]!) / k[3]!;
@@ -140,12 +141,12 @@ export class Lens {
   }
 }
 
-/** A coefficient, 0 where the model has fewer. */
+/** Return a coefficient, 0 if the camera has fewer. */
 function c(d: readonly number[], k: number): number {
   return d[k] ?? 0;
 }
 
-/** k1, k2 and k3 over k4, k5 and k6: OpenCV's order is k1, k2, p1, p2, k3, k4, k5, k6. */
+/** Return k1 to k3 over k4 to k6; the order is k1, k2, p1, p2, k3, k4, k5, k6. */
 function radialAt(d: readonly number[], r2: number): number {
   const above = 1 + r2 * (c(d, 0) + r2 * (c(d, 1) + r2 * c(d, 4)));
   return above / (1 + r2 * (c(d, 5) + r2 * (c(d, 6) + r2 * c(d, 7))));

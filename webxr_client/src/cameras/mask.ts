@@ -1,9 +1,9 @@
-/** Pixels painted in a picture, by a brush or an outline, and their file. */
+/** Mask of a picture that is painted by a brush or an outline, and its file. */
 
-/** Bytes of the head of a `.npy` file, in front of its pixels. */
+/** Bytes of a `.npy` file before its pixels. */
 const NPY_HEAD = 128;
 
-/** Column and row in a picture, pixels; the middle of the first pixel is at 0.5, 0.5. */
+/** Column and row in a picture, pixels; the centre of the first pixel is at 0.5, 0.5. */
 export type Place = readonly [u: number, v: number];
 
 export class PaintedMask {
@@ -17,11 +17,12 @@ export class PaintedMask {
     this.pixels = new Uint8Array(width * height);
   }
 
-  /** Paint the pixels with their middle within `radius` of a path. */
+  /** Paint the pixels whose centres are within `radius`, pixels, of a path. */
   brush(path: readonly Place[], radius: number): void {
     path.forEach((end, i) => this.sweep(path[Math.max(0, i - 1)]!, end, radius));
   }
 
+  /** Paint the pixels whose centres are within `radius`, pixels, of a line. */
   private sweep([u, v]: Place, [endU, endV]: Place, radius: number): void {
     const [du, dv] = [endU - u, endV - v];
     const squaredLength = du * du + dv * dv || 1;
@@ -37,7 +38,7 @@ export class PaintedMask {
     }
   }
 
-  /** Paint the pixels with their middle inside a polygon, by the even-odd rule. */
+  /** Paint the pixels whose centres are inside a polygon, by the even-odd rule. */
   polygon(corners: readonly Place[]): void {
     for (let row = 0; row < this.height; row++) {
       const crossings = crossingsOf(corners, row + 0.5);
@@ -48,21 +49,21 @@ export class PaintedMask {
     }
   }
 
-  /** The pixels as a `.npy` file (NumPy format 1.0). */
+  /** Return the mask as a `.npy` file (NumPy format 1.0). */
   npy(): Blob {
-    const about = `{'descr': '|u1', 'fortran_order': False, 'shape': (${this.height}, ${this.width}), }`;
-    const head = `${about.padEnd(NPY_HEAD - 11)}\n`;
+    const header = `{'descr': '|u1', 'fortran_order': False, 'shape': (${this.height}, ${this.width}), }`;
+    const head = `${header.padEnd(NPY_HEAD - 11)}\n`;
     const magic = Uint8Array.of(0x93, 78, 85, 77, 80, 89, 1, 0, head.length, 0);
     return new Blob([magic, head, this.pixels], { type: 'application/x-npy' });
   }
 }
 
-/** Pixels from the first one to before the last one whose middles are in an interval. */
+/** Return the range of the pixels whose centres are in an interval; `stop` is excluded. */
 function within(low: number, high: number, size: number): [first: number, stop: number] {
   return [Math.max(0, Math.ceil(low - 0.5)), Math.min(size, Math.floor(high - 0.5) + 1)];
 }
 
-/** Return where the sides of a polygon cross a row, ascending. */
+/** Return the columns at which the sides of a polygon cross a row, ascending. */
 function crossingsOf(corners: readonly Place[], v: number): number[] {
   const found: number[] = [];
   corners.forEach(([u, top], i) => {

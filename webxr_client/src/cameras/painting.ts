@@ -1,4 +1,4 @@
-/** Painting in a picture: a brush or an outline becomes a mask, which the server lifts to the points. */
+/** Painting in a picture: a brush or an outline makes a mask, which labels the points behind it. */
 import { signal } from '@preact/signals';
 import { attempt, sequencePath } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
@@ -12,16 +12,16 @@ import { pictures } from './state';
 
 export type PictureTool = 'choose' | 'brush' | 'polygon' | 'rectangle';
 
-/** Use of the button in the large picture. */
+/** Tool of the mouse button in the large picture. */
 export const pictureTool = signal<PictureTool>('choose');
-/** Radius of the brush, as a part of the picture's width. */
+/** Radius of the brush, as a share of the picture's width. */
 export const pictureBrush = signal(0.02);
-/** Opacity of pixels that are being painted. */
+/** Opacity of the painted pixels before they are sent. */
 const INK = 0.55;
 
-const ERASES = 'In a picture you can paint and erase. Choose one of these tools.';
+const OTHER_TOOL = 'In a picture you can paint and erase. Choose one of these tools.';
 
-/** The painter of the large picture, for keys; null: there is none. */
+/** The painter that keys act on; null: no large picture is open. */
 let painter: PicturePainter | null = null;
 
 export const pictureKeys = {
@@ -30,7 +30,7 @@ export const pictureKeys = {
   takeBack: () => painter?.takeBack() ?? false,
 };
 
-/** Return the painter of the large picture, which keys reach from now on. */
+/** Return a painter of the large picture, which keys then act on. */
 export function openPainter(canvas: HTMLCanvasElement, picture: Camera): PicturePainter {
   painter = new PicturePainter(canvas, picture);
   return painter;
@@ -38,7 +38,7 @@ export function openPainter(canvas: HTMLCanvasElement, picture: Camera): Picture
 
 export class PicturePainter {
   private readonly outline: LassoOutline;
-  /** Of the brush while it is pressed, pixels of the picture. */
+  /** Path of the pressed brush, pixels of the picture. */
   private path: Place[] = [];
   private pressed = false;
 
@@ -57,9 +57,9 @@ export class PicturePainter {
   press(event: PointerEvent): void {
     const tool = pictureTool.peek();
     if (event.button !== 0 || tool === 'choose') return;
-    const no = refused();
-    if (no) {
-      notify('info', ...no);
+    const reason = refusalInPicture();
+    if (reason) {
+      notify('info', ...reason);
       return;
     }
     if (state.playing.peek()) actions.time.pause();
@@ -83,7 +83,7 @@ export class PicturePainter {
     if (this.pressed) this.close();
   }
 
-  /** Send what is painted; false when nothing is. */
+  /** Send the painted pixels; return false if there are none. */
   close(): boolean {
     const { path, outline } = this;
     const { width, height } = this.picture;
@@ -100,7 +100,7 @@ export class PicturePainter {
     return true;
   }
 
-  /** Give up what is painted; false when nothing is. */
+  /** Discard the painted pixels; return false if there are none. */
   cancel(): boolean {
     const painting = this.path.length > 0 || this.pressed || this.outline.open;
     this.path = [];
@@ -114,7 +114,7 @@ export class PicturePainter {
     return this.outline.takeBack();
   }
 
-  /** Let the brush's path go on to a place on the canvas, and draw it. */
+  /** Extend the brush's path to a place on the canvas, CSS pixels, and draw it. */
   private extend(x: number, y: number): void {
     const { canvas, path, picture } = this;
     const scale = picture.width / canvas.clientWidth;
@@ -124,7 +124,7 @@ export class PicturePainter {
     this.wipe();
     Object.assign(pen, { lineWidth: 2 * pictureBrush.peek() * canvas.width, strokeStyle: brushColor(), globalAlpha: INK, lineCap: 'round', lineJoin: 'round' }); // prettier-ignore
     pen.beginPath();
-    // A line without length draws its round ends, too.
+    // A line without length draws its round ends.
     pen.moveTo(path[0]![0] * share, path[0]![1] * share);
     for (const [u, v] of path) pen.lineTo(u * share, v * share);
     pen.stroke();
@@ -134,7 +134,7 @@ export class PicturePainter {
     this.canvas.getContext('2d')?.clearRect(0, 0, this.canvas.width, this.canvas.height);
   }
 
-  /** Lift the painted pixels to the points, as one edit; the ink stays until the labels come. */
+  /** Label the points behind the painted pixels, as one edit; the ink stays until the labels come. */
   private async send(mask: PaintedMask): Promise<void> {
     const { sequence, frame } = pictures.peek()!;
     const label = state.tool.peek() === 'paint' ? state.activeLabel.peek() : 0;
@@ -149,10 +149,10 @@ export class PicturePainter {
   }
 }
 
-/** The reason why nothing can be painted in a picture now, or null. */
-function refused(): readonly [title: string, detail: string] | null {
+/** Return the reason why painting in a picture is refused now, or null. */
+function refusalInPicture(): readonly [title: string, detail: string] | null {
   const tool = state.tool.peek();
-  if (tool === 'delete' || tool === 'restore') return ['Not in a picture', ERASES];
+  if (tool === 'delete' || tool === 'restore') return ['Not in a picture', OTHER_TOOL];
   if (!isStroke(tool)) actions.tools.setTool('paint');
   return refusal();
 }

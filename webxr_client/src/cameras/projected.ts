@@ -1,29 +1,30 @@
-/** A frame's points in a picture: the nearest one at each pixel of a raster, coloured by its label. */
+/** A frame's points in a picture: the nearest point at each pixel of a raster, in its label's colour. */
 import type { CloudFrame } from '../cloud/points/frame';
 import { DELETED } from '../cloud/points/piece';
+import type { Rgb } from '../common/colors';
 import type { Lens } from './lens';
 
-/** Points of a frame that are drawn at most: of the coarse levels, which are an even subsample. */
+/** Most points of a frame that are drawn: of the coarse levels, which are an even subsample. */
 export const MOST = 60_000;
-/** Opacity, of 255, of points with a label, and usually of points without. */
+/** Opacity, of 255, of points with a label, and the usual one of points without. */
 const LABELLED = 235;
 export const UNLABELLED = 70;
 
-/** An outline: dots at the points without smaller dots; diameters are parts of the picture's width. */
+/** An outline: dots at the points minus smaller dots; diameters are shares of the picture's width. */
 const RINGS = [
   [1 / 40, '#0b0e12', 'source-over'],
   [1 / 50, '#ffffff', 'source-over'],
   [1 / 80, '#000000', 'destination-out'],
 ] as const;
-/** Length of the line that is drawn as a dot, pixels: one without length is not drawn. */
+/** Length of the line that draws a dot, pixels; browsers omit lines without length. */
 const DOT = 0.01;
 
-/** Colour of a label, red, green, blue; null when its points are not shown. */
-export type ColourOf = (label: number) => readonly [number, number, number] | null;
+/** Colour of a label, 0 to 255 each; null if its points are hidden. */
+export type ColourOf = (label: number) => Rgb | null;
 
 export class Projected {
   readonly pixels: ImageData;
-  /** Stored number of the point at each pixel, −1 for none. */
+  /** Stored number of the point at each pixel, −1 without one. */
   readonly points: Int32Array;
   private readonly depths: Float32Array;
 
@@ -67,7 +68,7 @@ export class Projected {
     }
   }
 
-  /** Draw the edge of points of a frame, given by their stored numbers, over the picture. */
+  /** Draw the edge of some of a frame's points over the picture; `points`: stored numbers. */
   outline(pen: CanvasRenderingContext2D, frame: CloudFrame, lens: Lens, points: Uint32Array): void {
     const share = this.width / lens.picture.width;
     pen.lineCap = 'round';
@@ -85,15 +86,15 @@ export class Projected {
     }
   }
 
+  /** Draw a pixel of a point if no drawn one is nearer. */
   private put(
     u: number,
     v: number,
     depth: number,
     point: number,
-    colour: readonly [number, number, number],
+    colour: Rgb,
     label: number,
   ): void {
-    // prettier-ignore
     if (u >= this.width || v >= this.height) return;
     const pixel = v * this.width + u;
     if (depth >= this.depths[pixel]!) return;
@@ -104,7 +105,7 @@ export class Projected {
     data[pixel * 4 + 3] = label === 0 ? this.unlabelled : LABELLED;
   }
 
-  /** The point drawn nearest to a pixel, at most `reach` away; −1 for none. */
+  /** Return the drawn point nearest to a pixel, at most `reach` pixels away; −1 without one. */
   nearest(u: number, v: number, reach: number): number {
     let best = reach * reach + 1;
     let found = -1;
@@ -120,7 +121,7 @@ export class Projected {
   }
 }
 
-/** Return the position of a frame's point, local metres; null when it is not here. */
+/** Return the position of a frame's point, local metres; null if it is not loaded. */
 export function placeOf(frame: CloudFrame, point: number): [number, number, number] | null {
   const piece = frame.pieceOf(point);
   if (!piece) return null;

@@ -1,4 +1,4 @@
-/** Shows a frame's pictures in the strip, and places pointed at there in the cloud. */
+/** Loads the pictures for the strip, and marks the place in the cloud under a picture's pointer. */
 import type { Vec } from '../store/types';
 import { CanvasTexture, type Group, Sprite, SpriteMaterial, Vector3 } from 'three';
 import { PREVIEW } from '../cloud/picture/palette';
@@ -11,13 +11,13 @@ import { state } from '../store/state';
 import { watch } from '../store/watch';
 import { depthCamera } from './depth-picture';
 import type { Lens } from './lens';
-import { labelChanges, pictures, type Pictures, pointed, projectedFrame, stripOpen } from './state';
+import { labelChanges, pictures, pointed, projectedFrame, stripOpen } from './state';
 
-/** Milliseconds between two updates, so that pictures do not follow every dab of a stroke. */
+/** Least time between two updates, milliseconds: pictures do not follow every dab of a stroke. */
 const LOOK_MS = 150;
-/** Overlay of a label's points that are lit, and milliseconds for which they are. */
+/** Overlay that lights up a label's points, and its duration, milliseconds. */
 const [LIT, LIT_MS] = ['lit', 1500];
-/** From the camera's side, this part of its way to the place remains, within these metres. */
+/** Distance of the view from a place, as a share of the camera's, and its bounds, metres. */
 const [PART, NEAR, FAR] = [0.4, 1.5, 12];
 
 class CameraStrip {
@@ -44,12 +44,13 @@ class CameraStrip {
     engine.viewer.ticks.add((now) => this.update(now));
   }
 
-  /** The pictures of the frame on screen. */
+  /** Load the pictures of the frame on screen. */
   private async look(): Promise<void> {
     const info = state.sequence.peek();
     const { frame } = state.shown.peek();
     if (!info || frame < 0) return;
-    if (arePicturesOf(info.id, frame)) return;
+    const shown = pictures.peek();
+    if (shown?.sequence === info.id && shown.frame === frame) return;
     const request = ++this.newestRequest;
     const cameras = this.known.get(frame) ?? (await this.load(info, frame));
     if (!cameras || request !== this.newestRequest) return;
@@ -70,10 +71,10 @@ class CameraStrip {
     }
   }
 
-  /** Before each picture: whether points or labels are others. */
+  /** Before each drawn picture: show changed points and labels in the pictures. */
   private update(now: number): void {
     const { frame } = this.engine.playback;
-    if (stripOpen.peek() === false || !frame || !has(pictures.peek())) return;
+    if (stripOpen.peek() === false || !frame || !pictures.peek()?.cameras.length) return;
     if (now - this.looked < LOOK_MS) return;
     this.looked = now;
     const before = projectedFrame.peek();
@@ -81,7 +82,7 @@ class CameraStrip {
     projectedFrame.value = { frame, version: frame.version };
   }
 
-  /** Light up the points of a label in the cloud for a moment, as a candidate is. */
+  /** Light up the points of a label in the cloud for a moment. */
   light(label: number): void {
     const { viewer, playback } = this.engine;
     const { frame } = playback;
@@ -99,7 +100,7 @@ class CameraStrip {
     this.lit = setTimeout(() => this.unlight(), LIT_MS);
   }
 
-  /** Look at a place (local) from a camera's side, with the brush on it. */
+  /** Turn the view to a place (local metres) from a camera's side, with the brush on the place. */
   aim(place: Vec, lens: Lens): void {
     const { room } = this.engine.viewer;
     const target = new Vector3(...place);
@@ -111,17 +112,13 @@ class CameraStrip {
   }
 }
 
-function has(found: Pictures | null): boolean {
-  return found !== null && found.cameras.length > 0;
-}
-
 let strip: CameraStrip | null = null;
 
 export function installCameras(engine: Engine): void {
   strip = new CameraStrip(engine);
 }
 
-/** Look at a place from a camera's side, with the brush on it. */
+/** Turn the view to a place (local metres) from a camera's side, with the brush on the place. */
 export function aimAt(place: Vec, lens: Lens): void {
   strip?.aim(place, lens);
 }
@@ -131,11 +128,10 @@ export function lightUp(label: number): void {
   strip?.light(label);
 }
 
-/** A cross in the cloud at the place that one points at in a picture. */
-const SIZE = 64;
-/** Of the height of the view. */
-const SHARE = 0.045;
+/** Pixels of the cross's texture, and its height as a share of the view's. */
+const [SIZE, SHARE] = [64, 0.045];
 
+/** A cross in the cloud at the place under the pointer in a picture. */
 class PlaceMarker {
   private readonly sprite: Sprite;
 
@@ -154,7 +150,7 @@ class PlaceMarker {
     room.parent?.add(this.sprite);
   }
 
-  /** At a place in local coordinates; null: nowhere. */
+  /** Show the cross at a place, local metres; null: hide it. */
   show(place: Vec | null): void {
     this.sprite.visible = place !== null;
     if (place) this.sprite.position.set(...place).applyMatrix4(this.room.matrix);
@@ -186,9 +182,4 @@ function cross(): HTMLCanvasElement {
     pen.stroke();
   }
   return canvas;
-}
-
-function arePicturesOf(sequence: string, frame: number): boolean {
-  const shown = pictures.peek();
-  return shown?.sequence === sequence && shown.frame === frame;
 }

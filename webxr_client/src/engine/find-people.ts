@@ -1,4 +1,4 @@
-/** People without a click: a search in the frame on screen, a preview, one edit, tracking, export. */
+/** Finding people without a click: search in the frame on screen, preview, one edit, tracking, export. */
 import { computed, signal } from '@preact/signals';
 import { plural } from '../common/format';
 import type { IconName } from '../common/icons';
@@ -14,28 +14,28 @@ import type { Engine } from './engine';
 import { exportFormats, lastExport } from './recordings/export-formats';
 import { attempt, finished, sequencePath, succeeds } from './recordings/recordings';
 
-/** Step of finding people; `frame`: the one that they were found in. */
+/** Step of finding people; `frame`: the searched frame; `people`: the found ones. */
 export interface PeopleStep {
   readonly at: 'searching' | 'found' | 'labelling' | 'labelled' | 'tracking' | 'tracked';
   readonly frame: number;
   readonly people: readonly FoundPerson[];
 }
 
-/** The step that one is at; null: none. */
+/** The current step; null: none. */
 export const peopleStep = signal<PeopleStep | null>(null);
 
-/** The labels that the found people have. */
+/** Ids of the labels of the found people. */
 const labels = computed((): readonly number[] => {
   const names = new Set(peopleStep.value?.people.map(({ name }) => name));
   return state.palette.value.filter(({ name }) => names.has(name)).map(({ id }) => id);
 });
 
-function to(at: PeopleStep['at']): void {
+function setStep(at: PeopleStep['at']): void {
   const step = peopleStep.peek();
   if (step) peopleStep.value = { ...step, at };
 }
 
-/** Search the frame on screen; the labels stay as they are. */
+/** Search the frame on screen for people; no label changes. */
 export async function findPeople(): Promise<void> {
   const info = state.sequence.peek();
   const { frame } = state.shown.peek();
@@ -53,7 +53,7 @@ export async function findPeople(): Promise<void> {
   if (!answered && peopleStep.peek() === search) peopleStep.value = null;
 }
 
-/** Label the people of the preview, as one edit; false when there is none. */
+/** Label the people of the preview, as one edit; return false if there is no preview. */
 export function acceptPeople(): boolean {
   const step = peopleStep.peek();
   if (step?.at !== 'found') return false;
@@ -62,31 +62,31 @@ export function acceptPeople(): boolean {
 }
 
 async function accept({ frame }: PeopleStep): Promise<void> {
-  to('labelling');
+  setStep('labelling');
   const path = `${sequencePath(state.sequence.peek()!.id)}/people`;
   const done = await succeeds('The people were not labelled', async () => {
     const id = crypto.randomUUID();
     await finished(id, api<Job>('POST', path, { id, frames: [frame], apply: true }));
   });
-  if (peopleStep.peek()?.at === 'labelling') to(done ? 'labelled' : 'found');
+  if (peopleStep.peek()?.at === 'labelling') setStep(done ? 'labelled' : 'found');
 }
 
-/** Discard the preview, or leave the next step out; false when there is none. */
+/** Discard the preview or skip the next step; return false if there is no step. */
 export function leavePeople(): boolean {
-  const left = peopleStep.peek() !== null;
+  const active = peopleStep.peek() !== null;
   peopleStep.value = null;
-  return left;
+  return active;
 }
 
 function track(): void {
   const { frame } = peopleStep.peek()!;
   const last = (state.sequence.peek()?.frames ?? 1) - 1;
-  to('tracking');
+  setStep('tracking');
   const stop = frame < last ? last : 0;
   actions.tracking.track({ labels: [...labels.peek()], start: frame, stop, method: 'auto', overwrite: 'tracked' }); // prettier-ignore
 }
 
-/** The format of the export: the one used last, or the server's first one. */
+/** Format of the export: the last one used, or the server's first one. */
 const format = computed(() => {
   const known = exportFormats.value;
   return known.find(({ format }) => format === lastExport.value) ?? known[0];
@@ -107,7 +107,7 @@ export interface StepButton {
   readonly run: () => unknown;
 }
 
-/** Words and buttons of a step, for the desk and the headset; `main`: what Enter and the trigger do. */
+/** Text and buttons of a step, for the desk and the headset; Enter and the trigger press `main`. */
 export interface StepOffer {
   readonly text: string;
   readonly busy: boolean;
@@ -150,10 +150,10 @@ function mainOf({ at, frame }: PeopleStep): StepButton | null {
 
 const OVERLAY = 'people';
 
-/** Shows the found people in their colours, and follows the run that tracks them. */
+/** Shows the found people in the colours of their labels, and follows the run that tracks them. */
 export class PeoplePreview {
   private shown: CloudFrame | null = null;
-  /** Id of the run. */
+  /** Id of the tracking run. */
   private run: string | null = null;
 
   constructor(private readonly engine: Engine) {
@@ -189,7 +189,7 @@ export class PeoplePreview {
     const ended = state.jobs.peek().find((job) => job.id === this.run && !isActive(job));
     if (!ended) return;
     this.run = null;
-    if (ended.state === 'done') to('tracked');
+    if (ended.state === 'done') setStep('tracked');
     else leavePeople();
   }
 }

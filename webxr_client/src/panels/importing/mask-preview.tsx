@@ -1,5 +1,6 @@
 /** One of the masks that are about to be imported, over the picture that it was made of. */
 import { useEffect, useRef, useState } from 'preact/hooks';
+import { parseColor } from '../../common/colors';
 import { api, apiUrl } from '../../net/rest';
 import type { Camera } from '../../protocol/values';
 import { labelColours } from '../../store/safe-colours';
@@ -66,8 +67,8 @@ function colour(canvas: HTMLCanvasElement, image: ImageBitmap): void {
   pen.putImageData(pixels, 0, 0);
 }
 
-/** A pixel of a colour "#rrggbb" in memory's order, opaque. */
+/** Return the opaque pixel of a colour "#rrggbb" in the order of memory. */
 function wordOf(color: string): number {
-  const rgb = Number.parseInt(color.slice(1), 16);
-  return ((255 << 24) | ((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16)) >>> 0;
+  const [red, green, blue] = parseColor(color);
+  return ((255 << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }

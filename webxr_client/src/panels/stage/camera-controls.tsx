@@ -12,7 +12,7 @@ const TOOLS: readonly RadioOption<PictureTool>[] = [
   { value: 'rectangle', icon: 'rectangle', label: 'Box', tip: 'Drag a box from corner to corner' },
 ]; // prettier-ignore
 
-/** Bounds of the brush's radius, as parts of the picture's width. */
+/** Bounds of the brush's radius, as shares of the picture's width. */
 const [SMALLEST, LARGEST] = [0.003, 0.12];
 
 export function LargeControls({ calibrated }: { calibrated: boolean }) {

@@ -12,6 +12,7 @@ import { placeOf, Projected, UNLABELLED, type ColourOf } from '../../cameras/pro
 import { labelChanges, questionPiece, largeCamera, largeOpacity, maskShown, outlines, pictures, pointAt, clearPointed, pointed, projectedFrame } from '../../cameras/state'; // prettier-ignore
 import { aimAt, lightUp } from '../../cameras/strip';
 import type { CloudFrame } from '../../cloud/points/frame';
+import { parseColor, type Rgb } from '../../common/colors';
 import { apiBytes, apiUrl } from '../../net/rest';
 import { numbersOfRuns } from '../../protocol/codec';
 import type { Camera } from '../../protocol/values';
@@ -20,18 +21,17 @@ import { state } from '../../store/state';
 import { Button } from '../parts/controls';
 import { LargeControls } from './camera-controls';
 
-/** Pixels of the raster that points are drawn in, across. */
-const RASTER = 480;
-const LARGE_RASTER = 960;
+/** Width of the raster that points are drawn in, pixels, and that of the large picture. */
+const [RASTER, LARGE_RASTER] = [480, 960];
 /** Greatest distance of the pointer from a point's pixel, pixels of the raster. */
 const REACH = 9;
 
-/** Of masks, which lie over the picture. */
+/** Style of masks over the picture. */
 const SEE_THROUGH = { opacity: 'var(--dimmed)' };
 
 interface CameraProps {
   picture: Camera;
-  /** It lies over the cloud. */
+  /** The picture lies over the cloud. */
   large: boolean;
 }
 
@@ -61,7 +61,7 @@ export function CameraPicture({ picture, large }: CameraProps) {
   ); // prettier-ignore
 }
 
-/** Everything that lies over the picture of a calibrated camera. */
+/** The layers over the picture of a calibrated camera. */
 function Layers({ picture, lens, large }: PointsProps) {
   return (
     <>
@@ -79,7 +79,7 @@ function pathOf(kind: 'images' | 'masks', camera: string): string {
   return `sequences/${sequence}/frames/${frame}/${kind}/${encodeURIComponent(camera)}`;
 }
 
-/** The labels as filled areas, which the server draws anew after each change. */
+/** The labels as filled areas, which the server draws again after each change. */
 function Mask({ picture: { name } }: { picture: Camera }) {
   const [source, setSource] = useState('');
   const path = `${pathOf('masks', name)}?format=picture`;
@@ -87,7 +87,7 @@ function Mask({ picture: { name } }: { picture: Camera }) {
     const abort = new AbortController();
     void apiBytes('GET', path, undefined, abort.signal).then(
       (bytes) => setSource(URL.createObjectURL(new Blob([bytes]))),
-      () => undefined, // the next change asks again
+      () => undefined, // the next change of labels loads it again
     );
     return () => abort.abort();
   }, [path, labelChanges.value]);
@@ -97,7 +97,7 @@ function Mask({ picture: { name } }: { picture: Camera }) {
   );
 }
 
-/** The depth camera's own colours. */
+/** The picture of a depth camera, drawn from its points. */
 function DepthPicture({ picture: { width, height, name } }: { picture: Camera }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const shown = projectedFrame.value;
@@ -116,7 +116,7 @@ interface PointsProps extends CameraProps {
   lens: Lens;
 }
 
-/** The frame's points over the picture, which also answer the mouse. */
+/** The frame's points over the picture, which the pointer acts on. */
 function Points({ picture, lens, large }: PointsProps) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const { drawn } = pictures.value!;
@@ -133,13 +133,12 @@ function Points({ picture, lens, large }: PointsProps) {
     raster.draw(shown.frame, lens, colours);
     if (masked) pen.clearRect(0, 0, raster.width, raster.height);
     else pen.putImageData(raster.pixels, 0, 0);
-    const asked = piece?.frame === shown.frame.index && numbersOfRuns(piece.runs);
-    const edge = masked ? chooses && shown.frame.pointsOf(active) : asked;
+    const inPiece = piece?.frame === shown.frame.index && numbersOfRuns(piece.runs);
+    const edge = masked ? chooses && shown.frame.pointsOf(active) : inPiece;
     if (edge) raster.outline(pen, shown.frame, lens, edge);
   }, [lens, shown, colours, piece, masked, active, chooses]);
 
-  /** The point under the pointer. */
-  const under = (event: MouseEvent): Met | null => {
+  const pointUnder = (event: MouseEvent): PointUnder | null => {
     const box = canvas.current?.getBoundingClientRect();
     if (!box || !shown) return null;
     const u = Math.floor(((event.clientX - box.left) / box.width) * raster.width);
@@ -149,14 +148,14 @@ function Points({ picture, lens, large }: PointsProps) {
     return place && { frame: shown.frame, point, place };
   };
   const hover = (event: MouseEvent): void => {
-    const met = under(event);
-    if (met) pointAt(met.place, 'picture');
+    const under = pointUnder(event);
+    if (under) pointAt(under.place, 'picture');
     else clearPointed('picture');
   };
   const click = (event: MouseEvent): void => {
-    const met = under(event);
-    if (!met || (masked && selectAt(met))) return;
-    aimAt(met.place, lens);
+    const under = pointUnder(event);
+    if (!under || (masked && selectAt(under))) return;
+    aimAt(under.place, lens);
   };
   return (
     <canvas
@@ -170,15 +169,15 @@ function Points({ picture, lens, large }: PointsProps) {
   );
 }
 
-/** A point under the pointer. */
-interface Met {
+/** The point under the pointer; `place`: local metres. */
+interface PointUnder {
   readonly frame: CloudFrame;
   readonly point: number;
   readonly place: [number, number, number];
 }
 
-/** Choose the label of a point, and light it up in the cloud; false when it has none. */
-function selectAt({ frame, point }: Met): boolean {
+/** Choose the label of a point and light it up in the cloud; return false if it has none. */
+function selectAt({ frame, point }: PointUnder): boolean {
   const label = frame.storedLabelOf(point);
   if (!state.palette.peek().some(({ id }) => id === label)) return false;
   actions.labels.selectLabel(label);
@@ -186,7 +185,7 @@ function selectAt({ frame, point }: Met): boolean {
   return true;
 }
 
-/** The pixels that are being painted, and the brush under the pointer. */
+/** The painted pixels before they are sent, and the brush under the pointer. */
 function Ink({ picture }: { picture: Camera }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const painter = useRef<PicturePainter>(null);
@@ -225,7 +224,7 @@ function Ink({ picture }: { picture: Camera }) {
   ); // prettier-ignore
 }
 
-/** In the depth camera's own picture each pixel has a point: unlabelled ones would veil it. */
+/** Return the raster of a picture; `clear`: unlabelled points do not cover it. */
 function rasterOf(picture: Camera, across: number, clear: boolean): Projected {
   return new Projected(across, heightOf(picture, across), clear ? 0 : UNLABELLED);
 }
@@ -234,7 +233,7 @@ function heightOf({ width, height }: Camera, across: number): number {
   return Math.max(1, Math.round((across * height) / width));
 }
 
-/** The place under the pointer. */
+/** The place under the pointer, in the cloud or in a picture. */
 function Spot({ lens }: { lens: Lens }) {
   const at = pointed.value;
   if (!at || !lens.project(...at.place)) return null;
@@ -246,7 +245,7 @@ function Spot({ lens }: { lens: Lens }) {
   return <span class="camera-spot" style={style} />;
 }
 
-/** Boxes as the camera sees them. */
+/** The outlines of boxes in the picture. */
 function Outlines({ lens }: { lens: Lens }) {
   const { width, height } = lens.picture;
   if (outlines.value.length === 0) return null;
@@ -259,9 +258,9 @@ function Outlines({ lens }: { lens: Lens }) {
   ); // prettier-ignore
 }
 
-const PLAIN = [255, 255, 255] as const;
+const PLAIN: Rgb = [255, 255, 255];
 
-/** Colours of labels as shown now. */
+/** Return the colours of the visible labels. */
 function useColours(): ColourOf {
   const palette = state.palette.value;
   const solo = state.solo.value;
@@ -270,13 +269,8 @@ function useColours(): ColourOf {
     const rgb = new Map(
       palette
         .filter(({ id, visible }) => (solo === null ? visible : id === solo))
-        .map(({ id, color }) => [id, rgbOf(color)] as const),
+        .map(({ id, color }) => [id, parseColor(color)] as const),
     );
     return (label: number) => (label === 0 ? (hideUnlabeled ? null : PLAIN) : (rgb.get(label) ?? null)); // prettier-ignore
   }, [palette, solo, hideUnlabeled]);
-}
-
-function rgbOf(color: string): readonly [number, number, number] {
-  const number = Number.parseInt(color.slice(1), 16);
-  return [number >> 16, (number >> 8) & 255, number & 255];
 }

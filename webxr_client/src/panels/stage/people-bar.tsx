@@ -7,7 +7,7 @@ import { exportOpen } from '../parts/popover';
 export function PeopleBar() {
   const offer = peopleOffer.value;
   const step = peopleStep.value;
-  // The card of the run has its progress, and the way to stop it.
+  // While tracking runs, its own card shows the progress and stops it.
   if (!offer || !step || step.at === 'tracking') return null;
   const { text, busy, main, leave } = offer;
   return (
