@@ -69,7 +69,7 @@ def descend(
     steps: NDArray[np.float64],
     finest: float,
 ) -> NDArray[np.float64]:
-    """Return an offset (3,) with the least cost of those around it, starting at ``best``.
+    """Return the offset (3,) of the least cost around it, in a descent from ``best``.
 
     The step begins with that of ``steps`` and is halved down to ``finest``, metres.  The result is
     within the range of ``steps`` along each axis.

@@ -17,12 +17,12 @@ export class PaintedMask {
     this.pixels = new Uint8Array(width * height);
   }
 
-  /** Paint the pixels whose centres are within `radius`, pixels, of a path. */
+  /** Paint the pixels with centres within `radius`, pixels, of a path. */
   brush(path: readonly Place[], radius: number): void {
     path.forEach((end, i) => this.sweep(path[Math.max(0, i - 1)]!, end, radius));
   }
 
-  /** Paint the pixels whose centres are within `radius`, pixels, of a line. */
+  /** Paint the pixels with centres within `radius`, pixels, of a line. */
   private sweep([u, v]: Place, [endU, endV]: Place, radius: number): void {
     const [du, dv] = [endU - u, endV - v];
     const squaredLength = du * du + dv * dv || 1;
@@ -38,7 +38,7 @@ export class PaintedMask {
     }
   }
 
-  /** Paint the pixels whose centres are inside a polygon, by the even-odd rule. */
+  /** Paint the pixels with centres inside a polygon, by the even-odd rule. */
   polygon(corners: readonly Place[]): void {
     for (let row = 0; row < this.height; row++) {
       const crossings = crossingsOf(corners, row + 0.5);
@@ -58,7 +58,7 @@ export class PaintedMask {
   }
 }
 
-/** Return the range of the pixels whose centres are in an interval; `stop` is excluded. */
+/** Return the range of the pixels with centres in an interval; `stop` is excluded. */
 function within(low: number, high: number, size: number): [first: number, stop: number] {
   return [Math.max(0, Math.ceil(low - 0.5)), Math.min(size, Math.floor(high - 0.5) + 1)];
 }

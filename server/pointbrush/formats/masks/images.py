@@ -152,7 +152,7 @@ class ImageMasks:
         return [self._of_index(value) for value in values]
 
     def _has_colors(self, values: list[int]) -> bool:
-        """Return whether colours are those of classes rather than indices in grey."""
+        """Return whether colours stand for classes; otherwise they are indices in grey."""
         gray = all(value == (value & 255) * GRAY for value in values)
         colors = self.classes.colors
         return not gray or self.classes.by_color or any(v in colors for v in values if v)

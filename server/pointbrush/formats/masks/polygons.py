@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def fill_polygon(mask: NDArray[np.bool_], corners: NDArray[np.float64]) -> None:
-    """Set the pixels of a mask (height, width) whose centres are inside a polygon (n, 2), x and y.
+    """Set the pixels of a mask (height, width) with centres inside a polygon (n, 2), x and y.
 
     The first pixel's centre is at (0.5, 0.5).  Where a polygon crosses itself, the even-odd rule
     decides.

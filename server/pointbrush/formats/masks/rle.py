@@ -59,7 +59,7 @@ def decompress_runs(text: str) -> Runs:
     if not len(data):
         return data
     if data.min() < 0 or data.max() >= 2 * MORE or data[-1] & MORE:
-        raise ValueError("other characters than those of compressed runs")
+        raise ValueError("characters that compressed runs do not have")
     last = np.flatnonzero(data < MORE)
     first = np.concatenate([[0], last[:-1] + 1])
     place = np.arange(len(data)) - np.repeat(first, last - first + 1)
