@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from pointbrush.masks.draw import draw
 from pointbrush.masks.lift import IN_DOUBT, lift
-from pointbrush.masks.options import DrawOptions, LiftOptions
+from pointbrush.masks.options import LiftOptions
 from pointbrush.masks.views import View
 from pointbrush.values.masks import VOID
 
-__all__ = ["IN_DOUBT", "VOID", "DrawOptions", "LiftOptions", "View", "draw", "lift"]
+__all__ = ["IN_DOUBT", "VOID", "LiftOptions", "View", "draw", "lift"]

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.masks.options import DrawOptions
+from pointbrush.masks.options import VisibilityOptions
 from pointbrush.masks.views import View
 from pointbrush.masks.visibility import visible
 from pointbrush.values.masks import VOID
 
-_DEFAULTS = DrawOptions()
+MOST_GAP = 12
+"""Most pixels in a row that are filled between two points of one surface."""
+_VISIBILITY = VisibilityOptions()
 Image = NDArray[np.uint16]
 
 
-def draw(
-    view: View, labels: NDArray[np.unsignedinteger], options: DrawOptions = _DEFAULTS
-) -> Image:
+def draw(view: View, labels: NDArray[np.unsignedinteger]) -> Image:
     """Return a mask (H, W) with the label of the nearest point in each pixel, of ``labels`` (N,).
 
     A pixel is 0 if its point has no label, and VOID if the camera sees no point there, or several
@@ -25,7 +25,7 @@ def draw(
     """
     mask = np.full(view.height * view.width, VOID, np.uint16)
     depth = np.full(view.height * view.width, np.inf, np.float32)
-    seen = visible(view, options.visibility)
+    seen = visible(view, _VISIBILITY)
     far_first = seen[np.argsort(-view.depth[seen], kind="stable")]
     pixel = view.pixel[far_first]
     mask[pixel], depth[pixel] = labels[far_first], view.depth[far_first]
@@ -33,12 +33,12 @@ def draw(
     image = mask.reshape(view.height, view.width)
     if not view.exact:
         depths = depth.reshape(image.shape)
-        fill_gaps(image, depths, options)
-        fill_gaps(image.T, depths.T, options)
+        fill_gaps(image, depths)
+        fill_gaps(image.T, depths.T)
     return image
 
 
-def fill_gaps(mask: Image, depth: NDArray[np.float32], options: DrawOptions) -> None:
+def fill_gaps(mask: Image, depth: NDArray[np.float32]) -> None:
     """Fill gaps along the rows of a mask, in place, between pixels of one value and surface.
 
     ``depth`` (H, W) metres is infinite without a point; filled pixels get a depth, too.
@@ -48,14 +48,12 @@ def fill_gaps(mask: Image, depth: NDArray[np.float32], options: DrawOptions) -> 
     before = np.maximum.accumulate(np.where(measured, column, -1), axis=1)
     after = np.where(measured, column, mask.shape[1])
     after = np.minimum.accumulate(after[:, ::-1], axis=1)[:, ::-1]
-    row, at = np.nonzero(~measured & (before >= 0) & (after - before <= options.most_gap + 1))
+    row, at = np.nonzero(~measured & (before >= 0) & (after - before <= MOST_GAP + 1))
     inside = after[row, at] < mask.shape[1]
     row, at = row[inside], at[inside]
     left, right = before[row, at], after[row, at]
     near, far = depth[row, left], depth[row, right]
-    gap = np.maximum(
-        np.minimum(near, far) * options.visibility.depth_tolerance, options.visibility.least_gap
-    )
+    gap = np.maximum(np.minimum(near, far) * _VISIBILITY.depth_tolerance, _VISIBILITY.least_gap)
     same = (mask[row, left] == mask[row, right]) & (np.abs(near - far) <= gap)
     row, at, left, right = row[same], at[same], left[same], right[same]
     mask[row, at] = mask[row, left]

@@ -1,4 +1,4 @@
-"""Options of lifting and drawing masks."""
+"""Options of visibility and of lifting masks."""
 
 from __future__ import annotations
 
@@ -57,12 +57,3 @@ class LiftOptions:
     """Number of the nearest certain points that decide about a point near a border."""
     most_distance: float = 2.5
     """Greatest distance of these points, in widths of the band along the border."""
-
-
-@dataclass(frozen=True, slots=True)
-class DrawOptions:
-    """Options of ``draw``."""
-
-    visibility: VisibilityOptions = field(default_factory=VisibilityOptions)
-    most_gap: int = 12
-    """Most pixels in a row that are filled between two points of one surface."""

@@ -58,11 +58,8 @@ export class Projected {
         const z = origin[2] + words[w + 2]! * scale[2];
         if (!lens.project(x, y, z)) continue;
         const [u, v] = [Math.floor(at[0]! * sx), Math.floor(at[1]! * sy)];
-        this.put(u, v, at[2]!, piece.first + i, colour, label);
-        if (label === 0) continue;
-        this.put(u + 1, v, at[2]!, piece.first + i, colour, label);
-        this.put(u, v + 1, at[2]!, piece.first + i, colour, label);
-        this.put(u + 1, v + 1, at[2]!, piece.first + i, colour, label);
+        for (let k = 0; k < (label === 0 ? 1 : 4); k++)
+          this.put(u + (k & 1), v + (k >> 1), at[2]!, piece.first + i, colour, label);
       }
       count += piece.count;
     }

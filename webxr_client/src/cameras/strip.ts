@@ -25,7 +25,6 @@ class CameraStrip {
   private readonly known = new Map<number, readonly Camera[]>();
   private looked = 0;
   private newestRequest = 0;
-  private lit: ReturnType<typeof setTimeout> | undefined;
   private unlight = (): void => undefined;
 
   constructor(private readonly engine: Engine) {
@@ -86,18 +85,17 @@ class CameraStrip {
   light(label: number): void {
     const { viewer, playback } = this.engine;
     const { frame } = playback;
-    if (!frame) return;
-    const show = (on: boolean): void => {
-      if (on)
-        frame.setOverlay(LIT, { indices: frame.pointsOf(label), values: Uint16Array.of(PREVIEW) }); // prettier-ignore
-      else frame.dropOverlay(LIT);
-      viewer.setOutlined(LIT, on);
-    };
-    clearTimeout(this.lit);
     this.unlight();
-    show(true);
-    this.unlight = () => show(false);
-    this.lit = setTimeout(() => this.unlight(), LIT_MS);
+    if (!frame) return;
+    frame.setOverlay(LIT, { indices: frame.pointsOf(label), values: Uint16Array.of(PREVIEW) });
+    viewer.setOutlined(LIT, true);
+    const timer = setTimeout(() => this.unlight(), LIT_MS);
+    this.unlight = () => {
+      clearTimeout(timer);
+      frame.dropOverlay(LIT);
+      viewer.setOutlined(LIT, false);
+      this.unlight = () => undefined;
+    };
   }
 
   /** Turn the view to a place (local metres) from a camera's side, with the brush on the place. */

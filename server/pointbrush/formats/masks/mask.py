@@ -38,11 +38,6 @@ class Mask:
     place: NDArray[np.uint16]
     keys: tuple[Key, ...]
 
-    @property
-    def size(self) -> Size:
-        """Width and height, pixels."""
-        return self.place.shape[1], self.place.shape[0]
-
     @classmethod
     def of_keys(cls, file: str, keys: Sequence[Key], place: NDArray[np.integer]) -> Mask:
         """Return a mask from ``place`` (height, width), the place of each pixel's key in ``keys``.

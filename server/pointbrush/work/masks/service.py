@@ -20,8 +20,7 @@ from pointbrush.values.masks import VOID, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.masks.classes import Classes, chosen_labels
-from pointbrush.work.masks.pictures import picture_of
-from pointbrush.work.masks.views import lattice_pixels, size_of, view_of
+from pointbrush.work.masks.views import camera_picture, lattice_pixels, size_of, view_of
 from pointbrush.work.part import Part
 
 Mask = NDArray[np.unsignedinteger]
@@ -72,7 +71,7 @@ class Masks(Part):
         view_of(recording, frame, camera)  # raises before the model is called
         clicks = (np.reshape(each, (-1, 2)) for each in (prompt.positives, prompt.negatives))
         positives, negatives = (np.asarray(each, np.float64) for each in clicks)
-        picture = picture_of(recording, frame, camera)
+        picture = camera_picture(recording, frame, camera)
         found = self._models.masks(prompt.model, Prompt(picture, positives, negatives, prompt.text))
         if not found.mask.any():
             raise NotFoundError(

@@ -1,11 +1,14 @@
-"""The cameras of a frame, and its points in their pictures."""
+"""The cameras of a frame, their pictures, and the frame's points in them."""
 
 from __future__ import annotations
+
+import io
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import NotFoundError
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.cameras.images import opened
 from pointbrush.masks import View
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
@@ -51,6 +54,27 @@ def view_of(recording: Recording, frame: int, camera: str) -> View:
     return View.of_camera(
         _camera(recording, frame, camera), stored.xyz + np.asarray(recording.manifest.shift)
     )
+
+
+def camera_picture(recording: Recording, frame: int, camera: str) -> NDArray[np.uint8]:
+    """Return the colours (H, W, 3) of a camera's picture, or of the points of the depth image.
+
+    Pixels of a depth image without a point are black.  Raises NotFoundError, and BadInputError for
+    a depth image without colours.
+    """
+    width, height = size_of(recording, frame, camera)
+    stored = recording[frame]
+    if camera == LATTICE and (found := lattice_pixels(stored)) is not None:
+        if stored.rgb is None:
+            raise BadInputError(f"camera {camera!r}: expected points with colours, got none")
+        picture = np.zeros((height * width, 3), np.uint8)
+        picture[found[1]] = stored.rgb
+        return picture.reshape(height, width, 3)
+    name, content = recording.picture(frame, camera)
+    with opened(name, io.BytesIO(content), "a picture") as image:
+        if image.size != (width, height):
+            raise BadInputError(f"{name}: expected {width}x{height} pixels, got {image.size}")
+        return np.asarray(image.convert("RGB"))
 
 
 def _camera(recording: Recording, frame: int, name: str) -> Projection:
