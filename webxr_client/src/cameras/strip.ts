@@ -48,8 +48,7 @@ class CameraStrip {
     const info = state.sequence.peek();
     const { frame } = state.shown.peek();
     if (!info || frame < 0) return;
-    const shown = pictures.peek();
-    if (shown?.sequence === info.id && shown.frame === frame) return;
+    if (arePicturesOf(info.id, frame)) return;
     const request = ++this.newestRequest;
     const cameras = this.known.get(frame) ?? (await this.load(info, frame));
     if (!cameras || request !== this.newestRequest) return;
@@ -110,6 +109,11 @@ class CameraStrip {
   }
 }
 
+function arePicturesOf(sequence: string, frame: number): boolean {
+  const shown = pictures.peek();
+  return shown?.sequence === sequence && shown.frame === frame;
+}
+
 let strip: CameraStrip | null = null;
 
 export function installCameras(engine: Engine): void {
@@ -128,6 +132,8 @@ export function lightUp(label: number): void {
 
 /** Pixels of the cross's texture, and its height as a share of the view's. */
 const [SIZE, SHARE] = [64, 0.045];
+/** A circle and four arms, pixels of the texture. */
+const CROSS = 'M50 32a18 18 0 1 1-36 0a18 18 0 1 1 36 0M42 32h18M22 32h-18M32 42v18M32 22v-18';
 
 /** A cross in the cloud at the place under the pointer in a picture. */
 class PlaceMarker {
@@ -159,25 +165,8 @@ function cross(): HTMLCanvasElement {
   const canvas = document.createElement('canvas');
   canvas.width = canvas.height = SIZE;
   const pen = canvas.getContext('2d')!;
-  const middle = SIZE / 2;
-  for (const [width, colour] of [
-    [7, '#0b0e12'],
-    [3, '#ffffff'],
-  ] as const) {
-    pen.lineWidth = width;
-    pen.strokeStyle = colour;
-    pen.beginPath();
-    pen.arc(middle, middle, 18, 0, 2 * Math.PI);
-    for (const [x, y] of [
-      [1, 0],
-      [-1, 0],
-      [0, 1],
-      [0, -1],
-    ] as const) {
-      pen.moveTo(middle + 10 * x, middle + 10 * y);
-      pen.lineTo(middle + 28 * x, middle + 28 * y);
-    }
-    pen.stroke();
-  }
+  const path = new Path2D(CROSS);
+  Object.assign(pen, { lineWidth: 7, strokeStyle: '#0b0e12' }).stroke(path);
+  Object.assign(pen, { lineWidth: 3, strokeStyle: '#ffffff' }).stroke(path);
   return canvas;
 }

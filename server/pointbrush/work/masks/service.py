@@ -109,7 +109,6 @@ class Masks(Part):
         masks = {camera: _normalized(mask, classes) for camera, mask in masks.items()}
         values = lift_masks(recording, frame, masks)
         named, predicted = named_values(masks, classes), source == "predicted"
-        chosen_labels(self._store.choosing(sequence), named, create=predicted)
         numbers = np.flatnonzero(np.isin(values, [*named]))
         provenance, only = RULES[source]
         unlabelled = PAINTED if source == "painted" else 0
