@@ -1,4 +1,4 @@
-"""Models of one's own that score classes in place of the trees: plug-ins, and services over HTTP.
+"""Users' own models that score classes in place of the trees: plug-ins, and services over HTTP.
 
 A package adds one with an entry point of the group ``pointbrush.classifiers``: a class or function
 that returns a ``Model`` when it is called without arguments.
@@ -19,11 +19,13 @@ from pointbrush.classify.grid import means
 from pointbrush.classify.options import MOST_CLASSES, NAME_LENGTH
 from pointbrush.errors import UnavailableError
 from pointbrush.exchange.model_names import ModelNames
-from pointbrush.exchange.npz_service import NpzService
+from pointbrush.exchange.npz_service import TIMEOUT, NpzService
 
 Features = NDArray[np.float32]
+ANSWER_BYTES = 512 * 2**20
+"""Most bytes of the answer of a service."""
 BUILT_IN = ""
-"""Name of the trees, which are no model of one's own."""
+"""Name of the trees among the models."""
 POINTS, FEATURES = "points", "features"
 
 
@@ -59,16 +61,6 @@ class Model(Protocol):
         """Return scores (N, K) or (C, K) from 0; the share of each in its row counts."""
 
 
-@dataclass(frozen=True, slots=True)
-class HttpOptions:
-    """Bounds of a call."""
-
-    seconds: float = 120.0
-    """Longest wait for an answer."""
-    answer_bytes: int = 512 * 2**20
-    """Greatest answer."""
-
-
 class HttpModel:
     """A ``Model`` on another machine: version 1 of the calls, each a POST of .npz, .npz back.
 
@@ -81,12 +73,10 @@ class HttpModel:
                              ``features``.  Answer: ``scores`` float32 (rows, K).
     """
 
-    def __init__(self, address: str, name: str, options: HttpOptions | None = None) -> None:
-        self._seconds = (options or HttpOptions()).seconds
-        most = (options or HttpOptions()).answer_bytes
+    def __init__(self, address: str, name: str) -> None:
         self._role = f"model {name}"
-        self._service = NpzService(address, self._role, most)
-        about = self._service.call("about", {"version": np.array(1)}, self._seconds)
+        self._service = NpzService(address, self._role, ANSWER_BYTES)
+        about = self._service.call("about", {"version": np.array(1)}, TIMEOUT)
         self.takes, self.learns = str(about.get("takes")), bool(np.all(about.get("learns", False)))
         known: Any = about.get("classes", np.empty(0, str))
         if known.dtype.kind != "U" or known.size > MOST_CLASSES:
@@ -103,7 +93,7 @@ class HttpModel:
             "classes": classes,
             "names": np.array(names),
         }
-        answer = self._service.call("learn", given, self._seconds)
+        answer = self._service.call("learn", given, TIMEOUT)
         return bytes(self._service.array(answer, "state", np.uint8).tobytes())
 
     def scores(self, question: Question) -> NDArray[np.float32]:
@@ -121,7 +111,7 @@ class HttpModel:
                 column = getattr(points, name)
                 if column is not None:
                     given[name] = column
-        answer = self._service.call("scores", given, self._seconds)
+        answer = self._service.call("scores", given, TIMEOUT)
         if "scores" not in answer or answer["scores"].dtype.kind not in "iuf":
             raise UnavailableError(f"{self._role}: expected scores, numbers, in the answer")
         return answer["scores"].astype(np.float32, copy=False)

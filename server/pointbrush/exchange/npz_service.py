@@ -17,6 +17,8 @@ from pointbrush.exchange.npz import Arrays, checked, read_npz
 from pointbrush.exchange.outgoing import Bounds, exchange, parse_url
 
 MEDIA_TYPE = "application/x-npz"
+TIMEOUT = 120.0
+"""Longest wait for the answer of a model, seconds."""
 AT_ONCE = 4
 """Calls of one service at a time: one that hangs keeps no more threads of this process."""
 _calls: defaultdict[str, threading.BoundedSemaphore] = defaultdict(

@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 from pointbrush.errors import UnavailableError
 from pointbrush.exchange.model_names import ModelNames
 from pointbrush.exchange.npz import Arrays
-from pointbrush.exchange.npz_service import NpzService
+from pointbrush.exchange.npz_service import TIMEOUT, NpzService
 
 MOST_MASKS = 10_000
 """Most masks in an answer."""
 NAME_LENGTH = 200
 """Most characters of the name of a class."""
-TIMEOUT = 120.0
-"""Longest wait for the answer of a service, seconds."""
 ANSWER_BYTES = 256 * 2**20
 """Most bytes of the answer of a service."""
 
