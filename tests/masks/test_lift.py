@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.masks import IN_DOUBT, VOID, View, draw, lift
+from pointbrush.values.frames import Camera
 
 WIDTH, HEIGHT, FOCAL = 160, 120, 130.0
 BESIDE = 0.1
@@ -21,25 +22,15 @@ WALL, OBJECT = 3.0, 1.5
 """Metres from the sensor to two surfaces."""
 
 
-@dataclass(frozen=True)
-class Camera:
-    name: str = "colour"
-    width: int = WIDTH
-    height: int = HEIGHT
-    K: Any = ((FOCAL, 0, WIDTH / 2), (0, FOCAL, HEIGHT / 2), (0, 0, 1))
-    distortion: tuple[float, ...] = ()
-    model: str = "plumb_bob"
-    T_camera_frame: Any = None
-
-    @classmethod
-    def at(cls, *place: float) -> Camera:
-        """A camera at a place in the sensor's coordinates that looks along its axis."""
-        T = np.eye(4)
-        T[:3, 3] = -np.array(place)
-        return cls(T_camera_frame=T)
+def camera_at(*place: float) -> Camera:
+    """Return a camera at a place in the sensor's coordinates that looks along its axis."""
+    T = np.eye(4)
+    T[:3, 3] = -np.array(place)
+    K = ((FOCAL, 0, WIDTH / 2), (0, FOCAL, HEIGHT / 2), (0, 0, 1))
+    return Camera("colour", WIDTH, HEIGHT, K, (), "plumb_bob", T)
 
 
-COLOUR = Camera.at(BESIDE, 0, 0)
+COLOUR = camera_at(BESIDE, 0, 0)
 
 
 def unprojected(depth: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -94,7 +85,7 @@ def test_drawn_mask_labels_no_point_wrongly(u: int, v: int, step: int) -> None:
 def test_gaps_of_one_surface_are_filled_and_others_stay_holes() -> None:
     xyz, board = object_before_wall()
     sparse = np.arange(len(xyz)).reshape(HEIGHT, WIDTH)[::4, ::4].ravel()
-    view = View.of_camera(Camera.at(0, 0, 0), xyz[sparse])
+    view = View.of_camera(camera_at(0, 0, 0), xyz[sparse])
     mask = draw(view, board[sparse].astype(np.uint16))
     true = board.reshape(HEIGHT, WIDTH)
     assert (mask[mask != VOID] == true[mask != VOID]).all()
@@ -108,7 +99,7 @@ def test_surface_behind_another_one_stays_unlabelled() -> None:
     # The sensor is high: it sees the wall that the board hides from the camera.
     xyz = np.concatenate([rear, front[board]])
     mask = np.ones((HEIGHT, WIDTH), np.uint16)
-    found = lift([(View.of_camera(Camera.at(0, 0, 0), xyz), mask)], xyz)
+    found = lift([(View.of_camera(camera_at(0, 0, 0), xyz), mask)], xyz)
     hidden = rectangle(50, 30).ravel()
     assert (found[: len(rear)][hidden] == 0).all()
     assert (found[len(rear) :] == 1).all()
@@ -127,8 +118,8 @@ def test_error_of_calibration_is_found_by_jumps_of_depth(off: tuple[float, ...])
 
 def test_cameras_vote() -> None:
     xyz, board = object_before_wall()
-    views = [View.of_camera(Camera.at(x, 0, 0), xyz) for x in (-BESIDE, 0.0, BESIDE)]
-    masks = [seen_by(Camera.at(x, 0, 0)) for x in (-BESIDE, 0.0, BESIDE)]
+    views = [View.of_camera(camera_at(x, 0, 0), xyz) for x in (-BESIDE, 0.0, BESIDE)]
+    masks = [seen_by(camera_at(x, 0, 0)) for x in (-BESIDE, 0.0, BESIDE)]
     wrong = masks[0] * 0 + 2
     both = lift([(views[0], wrong), (views[1], masks[1])], xyz)
     assert (both[board] == IN_DOUBT).mean() > 0.9
@@ -140,7 +131,7 @@ def test_cameras_vote() -> None:
 
 def test_lens_bends_places_as_opencv_does() -> None:
     xyz = np.array([[0.3, -0.2, 1.0], [-0.4, 0.1, 1.0]])
-    lens = replace(Camera.at(0, 0, 0), K=((1000, 0, 500), (0, 1000, 500), (0, 0, 1)), width=1000)
+    lens = replace(camera_at(0, 0, 0), K=((1000, 0, 500), (0, 1000, 500), (0, 0, 1)), width=1000)
     lens = replace(lens, height=1000)
     # Worked out by hand from the formulas of OpenCV's documentation.
     for model, distortion, expected in (
@@ -153,7 +144,7 @@ def test_lens_bends_places_as_opencv_does() -> None:
 
 
 def test_points_beside_and_behind_a_camera_are_not_in_its_picture() -> None:
-    wide = replace(Camera.at(0, 0, 0), distortion=(-0.4, 0.0, 0, 0, 0))
+    wide = replace(camera_at(0, 0, 0), distortion=(-0.4, 0.0, 0, 0, 0))
     xyz = np.array([[0, 0, -2.0], [0, 0, 0.01], [3.0, 0, 1], [9.0, 0, 1], [0.1, 0.1, 1]])
     assert (View.of_camera(wide, xyz).pixel >= 0).tolist() == [False, False, False, False, True]
 
