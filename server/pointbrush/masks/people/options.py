@@ -61,6 +61,28 @@ class PeopleOptions:
     forgotten: int = 3
     looked_again: int = 15
     """Frames after which an unseen surface is forgotten, and a seen one looked at again."""
+    steady: float = 0.5
+    """Least share of a picture that has the same depth in another frame if the camera rests."""
+    behind: float = 0.1
+    """Least distance of the background behind a pixel that moved."""
+    noise: int = 5
+    """Width of the square whose majority tells whether a pixel rested, pixels."""
+    mover: float = 0.3
+    """Share of moved pixels from which a surface moves; furniture that it touches rests."""
+    motion_weight: float = 0.8
+    """Least probability of a surface that moved as a whole."""
+    foreign: float = 0.02
+    known: float = 0.5
+    """Mean probability below which a moving surface is a thing that a person carries, and least
+    one of the largest surface from which this is judged."""
+    moving_top: float = 0.8
+    moving_body: float = 0.03
+    """``top`` and ``body`` of moving surfaces."""
+    still: float = 0.06
+    still_cost: float = 0.7
+    """Least share of moved pixels of a person, and the probability that a resting group costs."""
+    between: float = 1.0
+    """Least time between frames that are compared, seconds."""
     sole: float = 0.005
     """Height below which nothing is added to feet."""
     outline: int = 1

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import find_objects
 
 from pointbrush.masks.people.memory import Memory
+from pointbrush.masks.people.motion import Motion
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.picture import DepthPicture
 from pointbrush.masks.people.segments import Surface, connected_surfaces
@@ -38,15 +39,17 @@ class Person:
 
 
 def find_persons(
-    picture: DepthPicture, look: Look, options: PeopleOptions, memory: Memory | None = None
-) -> list[Person]:
+    picture: DepthPicture, look: Look, options: PeopleOptions, memory: Memory | None = None,
+    motion: Motion | None = None,
+) -> list[Person]:  # fmt: skip
     """Return the people in a picture, the nearest first.
 
-    ``memory``: of the frames before, in which the model does not look again at the same surfaces.
+    ``memory``: of the frames before, in which the model does not look again at the same surfaces;
+    ``motion``: between this frame and others.  People move and furniture rests.
     """
     memory = memory or Memory(options)
     memory.begin_frame()
-    surfaces = _surfaces(picture, options)
+    surfaces = _surfaces(picture, options, motion)
     found = []
     for group in _groups(surfaces, options)[: options.most_looked]:
         person = _person(picture, group, look, options, memory)
@@ -55,11 +58,20 @@ def find_persons(
     return found
 
 
-def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[Surface]:
+def _surfaces(
+    picture: DepthPicture, options: PeopleOptions, motion: Motion | None
+) -> list[Surface]:
     """Return the surfaces that may belong to people, the nearest first."""
     kept = picture.seen & (picture.room[..., 1] > options.floor)
     gap = (options.gap + options.gap_share * picture.depth).astype(np.float32)
     number = connected_surfaces(picture.xyz, kept, gap)
+    if motion is not None:
+        # Furniture that a moving surface touches is a surface of its own.
+        share = np.bincount(number.ravel(), motion.moved.ravel()) / np.bincount(number.ravel())
+        at_rest = motion.rested & (share[number] >= options.mover)
+        number = connected_surfaces(picture.xyz, kept & ~at_rest, gap)
+        resting = connected_surfaces(picture.xyz, kept & at_rest, gap)
+        number += np.where(resting > 0, resting + number.max(), 0)
     sizes = np.bincount(number.ravel(), ((picture.depth * picture.pitch) ** 2).ravel())
     found = []
     for each, place in enumerate(find_objects(number), 1):
@@ -67,7 +79,7 @@ def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[Surface]:
             continue
         rows, columns = np.nonzero(number[place] == each)
         rows, columns = rows + place[0].start, columns + place[1].start
-        surface = _surface(picture, rows, columns)
+        surface = _surface(picture, rows, columns, motion)
         width, height, length = (b - a for a, b in zip(surface.low, surface.high, strict=True))
         wide = max(width, length) > options.widest
         if not wide and surface.low[1] < options.overhead and height <= options.tallest:
@@ -75,14 +87,18 @@ def _surfaces(picture: DepthPicture, options: PeopleOptions) -> list[Surface]:
     return sorted(found, key=lambda surface: surface.depth)
 
 
-def _surface(picture: DepthPicture, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Surface:
+def _surface(
+    picture: DepthPicture, rows: NDArray[np.int64], columns: NDArray[np.int64],
+    motion: Motion | None,
+) -> Surface:  # fmt: skip
     some = slice(None, None, max(1, len(rows) // SAMPLE))
     room = picture.room[rows[some], columns[some]]
     ordered, last = np.sort(room, axis=0), len(room) - 1
     low, middle, high = ordered[[last // 100, last // 2, last - last // 100]].tolist()
     depth = float(picture.depth[rows[some], columns[some]].mean())
     area = len(rows) * (depth * picture.pitch) ** 2
-    return Surface(rows, columns, low, high, middle, depth, area)
+    moved = math.nan if motion is None else float(motion.moved[rows, columns].mean())
+    return Surface(rows, columns, low, high, middle, depth, area, moved)
 
 
 def _groups(surfaces: list[Surface], options: PeopleOptions) -> list[list[Surface]]:
@@ -95,7 +111,8 @@ def _groups(surfaces: list[Surface], options: PeopleOptions) -> list[list[Surfac
                 group.append(surface)
                 break
         else:
-            if surface.area >= options.body:
+            least = options.moving_body if _is_moving(surface, options) else options.body
+            if surface.area >= least:
                 groups.append([surface])
     return groups
 
@@ -113,15 +130,19 @@ def _person(
     picture: DepthPicture, group: list[Surface], look: Look, options: PeopleOptions, memory: Memory
 ) -> Person | None:
     """Return the person that a group of surfaces is, None for other things."""
-    if max(surface.high[1] for surface in group) < options.top and not _is_cut(group):
+    if not _is_tall(group, options):
         return None
-    chance = memory.recall(group)
-    if chance is None:
-        chance = _chances(picture, group, look, options)
-        memory.remember(group, chance)
+    model = memory.recall(group)
+    if model is None:
+        model = _chances(picture, group, look, options)
+        memory.remember(group, model)
+    motion = options.motion_weight * np.array([each.moved for each in group])
+    chance = np.fmax(model, motion)
     counts = np.array([len(surface.rows) for surface in group])
     mean = float(chance @ counts / counts.sum())
-    parts = [each for each, part in zip(group, chance, strict=True) if part >= options.part]
+    # A bag moves with its owner: motion decides only where the model does not know a person.
+    foreign = (model < options.foreign) & (model[0] >= options.known)
+    parts = [group[k] for k in np.flatnonzero((chance >= options.part) & ~foreign)]
     if mean - _unusual(group, options) < options.sure or not _has_size(parts, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
@@ -130,15 +151,26 @@ def _person(
     return Person(_grown(mask, picture, options), mean)
 
 
+def _is_tall(group: list[Surface], options: PeopleOptions) -> bool:
+    """Return whether a group reaches a person's height, or the picture's upper edge cuts it."""
+    least = options.moving_top if _is_moving(group[0], options) else options.top
+    return max(surface.high[1] for surface in group) >= least or _is_cut(group)
+
+
+def _is_moving(surface: Surface, options: PeopleOptions) -> bool:
+    return surface.moved >= options.mover
+
+
 def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
     """Return whether surfaces have a person's size together, as far as the picture shows."""
     if not group:
         return False
     low, high = (np.array([getattr(each, end) for each in group]) for end in ("low", "high"))
     width, height, length = high.max(axis=0) - low.min(axis=0)
-    top = high[:, 1].max() >= options.top or _is_cut(group)
     widest = min(options.widest, options.widest_share * height)
-    return bool(height >= options.shortest and top and max(width, length) <= widest)
+    return bool(
+        _is_tall(group, options) and height >= options.shortest and max(width, length) <= widest
+    )
 
 
 def _is_cut(group: list[Surface]) -> bool:
@@ -147,7 +179,7 @@ def _is_cut(group: list[Surface]) -> bool:
 
 
 def _unusual(group: list[Surface], options: PeopleOptions) -> float:
-    """Return the probability that the shape of a group costs, compared with a usual person."""
+    """Return the probability that shape and rest of a group cost, compared with a usual person."""
     body = group[0]
     width = max(body.high[0] - body.low[0], body.high[2] - body.low[2]) - options.usual_width
     above = max(each.high[1] for each in group) - options.usual_top
@@ -156,7 +188,14 @@ def _unusual(group: list[Surface], options: PeopleOptions) -> float:
         (0.0 if _is_cut(group) else options.top_weight * abs(above))
         + options.width_weight * width
         + options.area_weight * small
+        + options.still_cost * max(0.0, 1 - _moved(group) / options.still)
     )
+
+
+def _moved(group: list[Surface]) -> float:
+    """Return the share of pixels of a group that moved, NaN if that is unknown."""
+    moved = sum(each.moved * len(each.rows) for each in group)
+    return moved / sum(len(each.rows) for each in group)
 
 
 def _grown(mask: Mask, picture: DepthPicture, options: PeopleOptions) -> Mask:

@@ -19,7 +19,8 @@ Place = list[float]
 class Surface:
     """Pixels of a surface, by row and column, and its extent in the room, metres.
 
-    ``area`` that the sensor sees, square metres.
+    ``area`` that the sensor sees, square metres; ``moved``: share of its pixels that moved between
+    frames, NaN if that is unknown.
     """
 
     rows: NDArray[np.int64]
@@ -29,6 +30,7 @@ class Surface:
     middle: Place
     depth: float
     area: float
+    moved: float
 
 
 def connected_surfaces(xyz: Floats, kept: NDArray[np.bool_], gap: Floats) -> Numbers:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,13 +10,16 @@ from numpy.typing import NDArray
 
 from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.model import PersonModel
+from pointbrush.masks.people.motion import find_motion
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.persons import find_persons
-from pointbrush.masks.people.picture import depth_picture, points_of
+from pointbrush.masks.people.picture import DepthPicture, depth_picture, points_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
 from pointbrush.values.masks import LATTICE
 from pointbrush.work.masks.views import camera_names, lattice_pixels
+
+_Pictured = tuple[DepthPicture, NDArray[np.int32], NDArray[np.float32]] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,30 +43,58 @@ def has_pictures(recording: Recording, frame: int) -> bool:
     return stored.rgb is not None and LATTICE in camera_names(recording, frame)
 
 
-def people_in(
-    recording: Recording, frame: int, model: PersonModel, options: PeopleOptions, memory: Memory
-) -> list[Seen]:
-    """Return the people in a frame, the nearest first; none in a frame without a picture.
+class Search:
+    """Finds people in frames of a recording, in their order; not thread-safe.
 
-    ``memory``: of the frames that were searched before.
+    Frames seconds apart show what moves; the frames before tell what the model has looked at.
     """
+
+    def __init__(self, recording: Recording, model: PersonModel, options: PeopleOptions) -> None:
+        self._recording, self._model, self._options = recording, model, options
+        self._memory = Memory(options)
+        self._compared: dict[int, _Pictured] = {}
+
+    def people_in(self, frame: int) -> list[Seen]:
+        """Return the people in a frame, the nearest first; none in a frame without a picture."""
+        pictured = _pictured(self._recording, frame, self._options)
+        if pictured is None:
+            return []
+        picture, number, xyz = pictured
+        motion = find_motion(picture, self._others(frame), self._options)
+        people = []
+        look, options = self._model.probability, self._options
+        for person in find_persons(picture, look, options, self._memory, motion):
+            numbers = points_of(person.mask, picture, number, xyz)
+            place = np.median(picture.room[person.mask], axis=0).astype(np.float64)
+            depth = float(np.median(picture.depth[person.mask]))
+            people.append(Seen(frame, numbers, person.score, place, depth))
+        return people
+
+    def _others(self, frame: int) -> Iterator[DepthPicture]:
+        """Yield pictures of the recording's first, middle and last frame, if they are far apart."""
+        last, fps = len(self._recording) - 1, self._recording.manifest.fps
+        for other in sorted({0, last // 2, last}):
+            if abs(other - frame) < self._options.between * fps:
+                continue
+            if other not in self._compared:
+                self._compared[other] = _pictured(self._recording, other, self._options)
+            if (pictured := self._compared[other]) is not None:
+                yield pictured[0]
+
+
+def _pictured(recording: Recording, frame: int, options: PeopleOptions) -> _Pictured:
+    """Return a frame's picture, the number of its point by pixel, and its points."""
     stored = recording[frame]
     found = None if stored.rgb is None else lattice_pixels(stored)
     if found is None or stored.rgb is None:
-        return []
+        return None
     (width, height), pixel = found
     number = np.full((height, width), -1, np.int32)
     number.ravel()[pixel] = np.arange(stored.count)
     eye = np.zeros(3) if stored.viewpoint is None else stored.viewpoint
-    T = recording.manifest.T_room_local
-    picture = depth_picture(number, stored.xyz, stored.rgb, eye, T, _pitch(stored), options.columns)
-    people = []
-    for person in find_persons(picture, model.probability, options, memory):
-        numbers = points_of(person.mask, picture, number, stored.xyz)
-        place = np.median(picture.room[person.mask], axis=0).astype(np.float64)
-        depth = float(np.median(picture.depth[person.mask]))
-        people.append(Seen(frame, numbers, person.score, place, depth))
-    return people
+    T, pitch = recording.manifest.T_room_local, _pitch(stored)
+    picture = depth_picture(number, stored.xyz, stored.rgb, eye, T, pitch, options.columns)
+    return picture, number, stored.xyz
 
 
 def _pitch(stored: StoredFrame) -> float:

@@ -20,7 +20,6 @@ from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
 from pointbrush.labels.types import PREDICTED
 from pointbrush.lazy import once
-from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.model import PersonModel
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.ranges import runs_of
@@ -31,7 +30,7 @@ from pointbrush.values.people import MOST_SHOWN, FoundPeople, FoundPerson, Perso
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
 from pointbrush.work.people import FIND
-from pointbrush.work.people.frames import Seen, has_pictures, people_in
+from pointbrush.work.people.frames import Search, Seen, has_pictures
 from pointbrush.work.people.naming import Named, joined, named
 
 SUREST = 255
@@ -48,10 +47,9 @@ class SearchingWork:
 
     def __call__(self, channel: Channel) -> None:
         """Search frame by frame."""
-        recording, model = open_sequence(self.files), PersonModel()
-        memory = Memory(self.options)
+        search = Search(open_sequence(self.files), PersonModel(), self.options)
         for number, frame in enumerate(self.frames, 1):
-            channel.item(people_in(recording, frame, model, self.options, memory))
+            channel.item(search.people_in(frame))
             channel.progress(number / len(self.frames), f"frame {frame}")
 
 
@@ -95,11 +93,9 @@ class People(EditService[PeopleRequest]):
             raise BadInputError(
                 f"frames: expected at most {MOST_SHOWN} without apply, got {len(wanted)}"
             )
-        memory = Memory(self.options)
+        search = Search(recording, self._model, self.options)
         with self._lock:
-            found = [
-                people_in(recording, each, self._model, self.options, memory) for each in wanted
-            ]
+            found = [search.people_in(each) for each in wanted]
         palette = self._store.palette(sequence)
         people = _named(self._store, sequence, found, palette)
         category = people[0].label.category if people else ""
