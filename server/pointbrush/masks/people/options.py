@@ -16,7 +16,7 @@ class PeopleOptions:
     gap: float = 0.015
     gap_share: float = 0.01
     """Distance of neighbouring pixels of one surface: ``gap`` plus a share of their depth."""
-    smallest: float = 0.015
+    smallest: float = 0.008
     """Least visible area of a surface, square metres."""
     widest: float = 1.6
     widest_share: float = 1.5
@@ -29,6 +29,8 @@ class PeopleOptions:
     """Least height of a person's upper end above the floor, unless the picture cuts it."""
     shortest: float = 0.4
     """Least height of the visible part of a person."""
+    lowest: float = 1.4
+    """Largest height at which the visible part of a person begins."""
     gap_between: float = 0.15
     together: float = 0.45
     """Largest gap and distance of the middles, in the plan, of surfaces of one person."""
@@ -76,17 +78,26 @@ class PeopleOptions:
     """Mean probability below which a moving surface is a thing that a person carries, and least
     one of the largest surface from which this is judged."""
     moving_top: float = 0.8
-    moving_body: float = 0.03
-    """``top`` and ``body`` of moving surfaces."""
+    moving_body: float = 0.02
+    moving_sure: float = 0.3
+    """``top``, ``body`` and ``sure`` of moving surfaces."""
     still: float = 0.06
     still_cost: float = 0.7
     """Least share of moved pixels of a person, and the probability that a resting group costs."""
     between: float = 1.0
     """Least time between frames that are compared, seconds."""
-    sole: float = 0.005
+    colour_step: float = 25.0
+    """Largest distance of the colours of neighbouring pixels of one area, of 255 a channel."""
+    thing: float = 0.35
+    thing_area: float = 0.025
+    """Mean probability below which an area may be a carried thing, and its least size (square
+    metres)."""
+    thing_low: float = 0.2
+    thing_high: float = 0.9
+    """Heights between which a carried thing such as a bag hangs from a hand."""
+    sole: float = 0.02
     """Height below which nothing is added to feet."""
     outline: int = 1
     """Width of the outline that is added to a person, pixels."""
-    outline_gap: float = 0.03
-    outline_share: float = 0.01
-    """Distance of its pixels from the person: ``outline_gap`` plus a share of the depth."""
+    outline_gap: float = 0.01
+    """Largest distance of its pixels from the person, metres."""

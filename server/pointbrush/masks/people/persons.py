@@ -143,11 +143,13 @@ def _person(
     # A bag moves with its owner: motion decides only where the model does not know a person.
     foreign = (model < options.foreign) & (model[0] >= options.known)
     parts = [group[k] for k in np.flatnonzero((chance >= options.part) & ~foreign)]
-    if mean - _unusual(group, options) < options.sure or not _has_size(parts, options):
+    least = options.moving_sure if _is_moving(group[0], options) else options.sure
+    if mean - _unusual(group, options) < least or not _has_size(parts, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
     for part in parts:
         mask[part.rows, part.columns] = True
+    mask = _without_things(mask, group, picture, look, options)
     return Person(_grown(mask, picture, options), mean)
 
 
@@ -168,9 +170,8 @@ def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
     low, high = (np.array([getattr(each, end) for each in group]) for end in ("low", "high"))
     width, height, length = high.max(axis=0) - low.min(axis=0)
     widest = min(options.widest, options.widest_share * height)
-    return bool(
-        _is_tall(group, options) and height >= options.shortest and max(width, length) <= widest
-    )
+    fits = height >= options.shortest and max(width, length) <= widest
+    return bool(fits and low[:, 1].min() <= options.lowest and _is_tall(group, options))
 
 
 def _is_cut(group: list[Surface]) -> bool:
@@ -200,12 +201,11 @@ def _moved(group: list[Surface]) -> float:
 
 def _grown(mask: Mask, picture: DepthPicture, options: PeopleOptions) -> Mask:
     """Return a mask (h, w) with the pixels at its outline that are near it in space."""
-    gap = options.outline_gap + options.outline_share * picture.depth
     free = picture.seen & (picture.room[..., 1] > options.sole)
     for _ in range(options.outline):
         grown = mask.copy()
         for one, other in NEIGHBOURS:
-            near = np.abs(picture.depth[one] - picture.depth[other]) <= gap[one]
+            near = np.abs(picture.depth[one] - picture.depth[other]) <= options.outline_gap
             grown[one] |= mask[other] & free[one] & near
         mask = grown
     return mask
@@ -229,18 +229,42 @@ def _chances(
 def _look(picture: DepthPicture, group: list[Surface], look: Look, margin: float) -> list[float]:
     """Return the mean probability of each surface of a group, in one picture around them."""
     rows, columns = _around(group, picture.seen.shape, margin)
-    seen = look(picture.rgb[rows, columns])
-    down = seen.shape[0] / (rows.stop - rows.start)
-    right = seen.shape[1] / (columns.stop - columns.start)
-    return [
-        float(
-            seen[
-                ((surface.rows - rows.start + 0.5) * down).astype(np.intp),
-                ((surface.columns - columns.start + 0.5) * right).astype(np.intp),
-            ].mean()
+    seen = _probability(picture, (rows, columns), look)
+    return [float(seen[s.rows - rows.start, s.columns - columns.start].mean()) for s in group]
+
+
+def _probability(picture: DepthPicture, place: tuple[slice, slice], look: Look) -> Floats:
+    """Return the probability (h, w) by pixel of a part of a picture."""
+    seen = look(picture.rgb[place])
+    down, right = (
+        ((np.arange(each.stop - each.start) + 0.5) * size / (each.stop - each.start)).astype(
+            np.intp
         )
-        for surface in group
-    ]
+        for each, size in zip(place, seen.shape, strict=True)
+    )
+    return np.asarray(seen[down[:, None], right])
+
+
+def _without_things(
+    mask: Mask, group: list[Surface], picture: DepthPicture, look: Look, options: PeopleOptions
+) -> Mask:
+    """Return a mask (h, w) without areas of one colour that the model takes for things."""
+    place = _around(group, mask.shape, options.margins[0])
+    seen, part = _probability(picture, place, look), mask[place]
+    step = np.full(part.shape, options.colour_step, np.float32)
+    number = connected_surfaces(picture.rgb[place].astype(np.float32), part, step).ravel()
+    pixels = np.bincount(number)
+    chance = np.bincount(number, seen.ravel()) / np.maximum(pixels, 1)
+    area = pixels * (group[0].depth * picture.pitch) ** 2
+    thing = (chance < options.thing) & (area >= options.thing_area)
+    thing[0] = False
+    height = picture.room[place][..., 1].ravel()
+    for each in np.flatnonzero(thing):
+        low, high = np.quantile(height[number == each], [0.02, 0.98])
+        thing[each] = low > options.thing_low and high < options.thing_high
+    kept = mask.copy()
+    kept[place] &= ~thing[number].reshape(part.shape)
+    return kept
 
 
 def _around(group: list[Surface], shape: tuple[int, ...], margin: float) -> tuple[slice, slice]:
