@@ -29,8 +29,11 @@ class PeopleOptions:
     """Least height of a person's upper end above the floor, unless the picture cuts it."""
     shortest: float = 0.4
     """Least height of the visible part of a person."""
-    lowest: float = 1.4
-    """Largest height at which the visible part of a person begins."""
+    lowest: float = 0.6
+    below: int = 3
+    in_air: float = 0.8
+    """Height from which a group may be in the air, number of pixels below it at which that is
+    judged, and share of its columns that then show the background."""
     gap_between: float = 0.15
     together: float = 0.45
     """Largest gap and distance of the middles, in the plan, of surfaces of one person."""

@@ -14,7 +14,7 @@ from pointbrush.masks.people.memory import Memory
 from pointbrush.masks.people.motion import Motion
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.masks.people.picture import DepthPicture
-from pointbrush.masks.people.segments import Surface, connected_surfaces
+from pointbrush.masks.people.segments import Numbers, Surface, connected_surfaces
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -64,19 +64,17 @@ def _surfaces(
     """Return the surfaces that may belong to people, the nearest first."""
     kept = picture.seen & (picture.room[..., 1] > options.floor)
     gap = (options.gap + options.gap_share * picture.depth).astype(np.float32)
-    number = connected_surfaces(picture.xyz, kept, gap)
+    number = _large(connected_surfaces(picture.xyz, kept, gap), picture, options)
     if motion is not None:
         # Furniture that a moving surface touches is a surface of its own.
         share = np.bincount(number.ravel(), motion.moved.ravel()) / np.bincount(number.ravel())
-        at_rest = motion.rested & (share[number] >= options.mover)
-        number = connected_surfaces(picture.xyz, kept & ~at_rest, gap)
-        resting = connected_surfaces(picture.xyz, kept & at_rest, gap)
-        number += np.where(resting > 0, resting + number.max(), 0)
-    sizes = np.bincount(number.ravel(), ((picture.depth * picture.pitch) ** 2).ravel())
+        at_rest = motion.rested & (number > 0) & (share[number] >= options.mover)
+        if at_rest.any():
+            apart = np.where(at_rest, options.widest, 0)[..., None].astype(np.float32)
+            split = connected_surfaces(picture.xyz + apart, number > 0, gap)
+            number = _large(split, picture, options)
     found = []
     for each, place in enumerate(find_objects(number), 1):
-        if sizes[each] < options.smallest:
-            continue
         rows, columns = np.nonzero(number[place] == each)
         rows, columns = rows + place[0].start, columns + place[1].start
         surface = _surface(picture, rows, columns, motion)
@@ -85,6 +83,14 @@ def _surfaces(
         if not wide and surface.low[1] < options.overhead and height <= options.tallest:
             found.append(surface)
     return sorted(found, key=lambda surface: surface.depth)
+
+
+def _large(number: Numbers, picture: DepthPicture, options: PeopleOptions) -> Numbers:
+    """Return surfaces (h, w) without those that are too small for a part of a person."""
+    sizes = np.bincount(number.ravel(), ((picture.depth * picture.pitch) ** 2).ravel())
+    large = sizes >= options.smallest
+    large[0] = False
+    return np.asarray((np.cumsum(large) * large)[number], np.int32)
 
 
 def _surface(
@@ -130,7 +136,9 @@ def _person(
     picture: DepthPicture, group: list[Surface], look: Look, options: PeopleOptions, memory: Memory
 ) -> Person | None:
     """Return the person that a group of surfaces is, None for other things."""
-    if not _is_tall(group, options):
+    moving = _is_moving(group[0], options)
+    least = _unusual(group, options) + (options.moving_sure if moving else options.sure)
+    if least > 1 or not _is_tall(group, options):
         return None
     model = memory.recall(group)
     if model is None:
@@ -143,13 +151,13 @@ def _person(
     # A bag moves with its owner: motion decides only where the model does not know a person.
     foreign = (model < options.foreign) & (model[0] >= options.known)
     parts = [group[k] for k in np.flatnonzero((chance >= options.part) & ~foreign)]
-    least = options.moving_sure if _is_moving(group[0], options) else options.sure
-    if mean - _unusual(group, options) < least or not _has_size(parts, options):
+    if mean < least or not _has_size(parts, options) or _floats(parts, picture, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
     for part in parts:
         mask[part.rows, part.columns] = True
-    mask = _without_things(mask, group, picture, look, options)
+    if moving:
+        mask = _without_things(mask, group, picture, look, options)
     return Person(_grown(mask, picture, options), mean)
 
 
@@ -171,7 +179,21 @@ def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
     width, height, length = high.max(axis=0) - low.min(axis=0)
     widest = min(options.widest, options.widest_share * height)
     fits = height >= options.shortest and max(width, length) <= widest
-    return bool(fits and low[:, 1].min() <= options.lowest and _is_tall(group, options))
+    return bool(fits and _is_tall(group, options))
+
+
+def _floats(group: list[Surface], picture: DepthPicture, options: PeopleOptions) -> bool:
+    """Return whether a group is in the air: only the background is seen below it."""
+    if min(each.low[1] for each in group) < options.lowest:
+        return False
+    lowest = np.full(picture.seen.shape[1], -1)
+    for each in group:
+        np.maximum.at(lowest, each.columns, each.rows)
+    columns = np.flatnonzero(lowest >= 0)
+    rows = lowest[columns]
+    below = np.minimum(rows + options.below, len(picture.seen) - 1)
+    behind = picture.depth[below, columns] - picture.depth[rows, columns] > options.behind
+    return bool(behind.mean() > options.in_air)
 
 
 def _is_cut(group: list[Surface]) -> bool:
