@@ -16,9 +16,12 @@ from pointbrush.client import AsyncClient, Client, FoundPerson, Recording
 from pointbrush.errors import ConflictError
 from pointbrush.frame import PointFrame
 from pointbrush.masks.people import model
+from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.samples import generate
 from pointbrush.samples.recording import Recording as Sample
-from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
+from pointbrush.sequences.storage.recording_files import FolderFiles
+from pointbrush.work.people.frames import Search
 from tests.serving import TOKEN, Served, add_sequence, serving, settings_in
 
 pytest.importorskip("ai_edge_litert")
@@ -26,6 +29,9 @@ pytest.importorskip("ai_edge_litert")
 SEED, FRAMES, APART = 31, 2, 40
 """A seed on which nothing was tuned; two frames that are far apart in time."""
 JUGGLERS = (7, 8)
+FURNITURE_SEED = 200
+"""Of a room in which furniture looks like a person in one picture."""
+SHIPPED = Path(__file__).parents[2] / "data" / "juggling"
 PAINTED, PREDICTED = 1, 4
 
 
@@ -46,9 +52,9 @@ def served(tmp_path_factory: pytest.TempPathFactory, sample: Sample) -> Iterator
         yield running
 
 
-def without_people(sample: Sample) -> PointFrame:
+def without_people(sample: Sample, index: int = 0) -> PointFrame:
     """Return the furnished room with the labelled points left out."""
-    frame, keep = sample.frame(0), sample.truth[0] == 0
+    frame, keep = sample.frame(index), sample.truth[index] == 0
     assert frame.rgb is not None
     assert frame.pixel is not None
     columns = {name: getattr(frame, name)[keep] for name in ("xyz", "rgb", "pixel")}
@@ -92,6 +98,23 @@ def test_a_room_without_people_gets_no_label(client: Client) -> None:
     assert client["still"].find_people().people == ()
     assert client["still"].label_people().edit is None
     assert client["still"].labels() == []
+
+
+def test_the_shipped_sample_shows_two_people(tmp_path: Path) -> None:
+    workspace = tmp_path / "workspace"
+    assert main(["import", str(SHIPPED), "--workspace", str(workspace)]) == 0
+    recording = open_sequence(FolderFiles(workspace / "sequences" / "juggling"))
+    search = Search(recording, model.PersonModel(), PeopleOptions())
+    assert [len(search.people_in(frame)) for frame in range(len(recording))] == [2] * len(recording)
+
+
+def test_furniture_that_rests_over_a_recording_gets_no_label(tmp_path: Path) -> None:
+    sample, folder = generate("juggling", FURNITURE_SEED, 90), tmp_path / "rested"
+    frames = (without_people(sample, frame) for frame in (5, 45))
+    import_frames(frames, folder, RecordingInfo("rested", "rested", 1.0))
+    recording = open_sequence(FolderFiles(folder))
+    search = Search(recording, model.PersonModel(), PeopleOptions())
+    assert [search.people_in(frame) for frame in range(len(recording))] == [[], []]
 
 
 def test_people_are_labelled_as_one_edit_and_painted_points_win(

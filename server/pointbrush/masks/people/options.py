@@ -76,10 +76,6 @@ class PeopleOptions:
     """Share of moved pixels from which a surface moves; furniture that it touches rests."""
     motion_weight: float = 0.8
     """Least probability of a surface that moved as a whole."""
-    foreign: float = 0.02
-    known: float = 0.5
-    """Mean probability below which a moving surface is a thing that a person carries, and least
-    one of the largest surface from which this is judged."""
     moving_top: float = 0.8
     moving_body: float = 0.02
     moving_sure: float = 0.3

@@ -148,9 +148,7 @@ def _person(
     chance = np.fmax(model, motion)
     counts = np.array([len(surface.rows) for surface in group])
     mean = float(chance @ counts / counts.sum())
-    # A bag moves with its owner: motion decides only where the model does not know a person.
-    foreign = (model < options.foreign) & (model[0] >= options.known)
-    parts = [group[k] for k in np.flatnonzero((chance >= options.part) & ~foreign)]
+    parts = [each for each, part in zip(group, chance, strict=True) if part >= options.part]
     if mean < least or not _has_size(parts, options) or _floats(parts, picture, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
