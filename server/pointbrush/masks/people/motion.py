@@ -29,7 +29,7 @@ class Motion:
 def find_motion(
     picture: DepthPicture, others: Iterable[DepthPicture], options: PeopleOptions
 ) -> Motion | None:
-    """Return what moved between a picture and others; None if the camera moved in all of them."""
+    """Return the motion between a picture and others; None if the camera moved in all of them."""
     gap = options.gap + options.gap_share * picture.depth
     rested, behind = np.zeros((2, *picture.seen.shape), np.bool_)
     known = False
