@@ -86,7 +86,7 @@ def people(lead: Desk, server: LiveServer) -> None:
     night.get_by_role("button", name="Settings").click()
     dialog = page.get_by_role("dialog", name="Settings of the project")
     dialog.get_by_label("Account", exact=True).fill("ada")
-    page.wait_for_function("document.querySelectorAll('#settings-people option').length === 2")
+    page.locator("#settings-people option").nth(1).wait_for(state="attached")
     assert dialog.get_by_role("button", name="Create account").count() == 1
     dialog.get_by_label("Account", exact=True).fill("grace")
     dialog.get_by_label("Role of the new person").select_option("reviewer")

@@ -396,6 +396,7 @@ def test_tasks_are_taken_handed_in_accepted_and_returned_without_leaving(
     assert returned["note"] == "The left pin"
     tasks = server.request("GET", "projects/default/tasks").json()
     assert sorted(task["state"] for task in tasks) == ["accepted", "done", "returned"]
+    headset.until(f"!{names}.includes('Accept')")
     headset.click("palette", "Export at the desk")
     headset.until("pb.state.notices.value.some(({ action }) => action?.label === 'Export')")
     assert headset.ask("pb.state.xr.value.session") == "running"
