@@ -22,10 +22,15 @@ Pixels = NDArray[np.uint32]
 
 def camera_names(recording: Recording, frame: int) -> list[str]:
     """Return the names of the cameras with a picture of a frame, the depth image first."""
-    stored = recording[frame]
     pictures = [each.name for each in recording.projections(frame)]
-    lattice = stored.pixel is not None or stored.lattice is not None
-    return ([LATTICE] if lattice else []) + [name for name in pictures if name != LATTICE]
+    return ([LATTICE] if has_lattice(recording[frame]) else []) + [
+        name for name in pictures if name != LATTICE
+    ]
+
+
+def has_lattice(stored: StoredFrame) -> bool:
+    """Return whether a frame is stored with the lattice of its depth camera."""
+    return stored.pixel is not None or stored.lattice is not None
 
 
 def size_of(recording: Recording, frame: int, camera: str) -> tuple[int, int]:

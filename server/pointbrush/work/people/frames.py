@@ -16,8 +16,7 @@ from pointbrush.masks.people.persons import find_persons
 from pointbrush.masks.people.picture import DepthPicture, depth_picture, points_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import StoredFrame
-from pointbrush.values.masks import LATTICE
-from pointbrush.work.masks.views import camera_names, lattice_pixels
+from pointbrush.work.masks.views import has_lattice, lattice_pixels
 
 _Pictured = tuple[DepthPicture, NDArray[np.int32], NDArray[np.float32]] | None
 
@@ -40,7 +39,7 @@ class Seen:
 def has_pictures(recording: Recording, frame: int) -> bool:
     """Return whether people can be searched in a frame."""
     stored = recording[frame]
-    return stored.rgb is not None and LATTICE in camera_names(recording, frame)
+    return stored.rgb is not None and has_lattice(stored)
 
 
 class Search:

@@ -18,7 +18,7 @@ from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.plans import Writes
-from pointbrush.labels.types import PREDICTED
+from pointbrush.labels.types import FULL_CONFIDENCE, PREDICTED
 from pointbrush.lazy import once
 from pointbrush.masks.people.model import PersonModel
 from pointbrush.masks.people.options import PeopleOptions
@@ -32,9 +32,6 @@ from pointbrush.work.job_service import EditService, JobContext, Submission
 from pointbrush.work.people import FIND
 from pointbrush.work.people.frames import Search, Seen, has_pictures
 from pointbrush.work.people.naming import Named, joined, named
-
-SUREST = 255
-"""Greatest confidence of a point."""
 
 
 @dataclass(frozen=True)
@@ -191,14 +188,13 @@ def _named(
 def _writes(people: Iterable[Named]) -> Iterator[tuple[int, Write]]:
     for person in people:
         for each in person.seen:
-            yield (
-                each.frame,
-                Write(
-                    each.numbers, label=person.label.id, provenance=PREDICTED,
-                    confidence=np.full(len(each.numbers), round(each.score * SUREST), np.uint8),
-                    only="predictable", living=True, hidden=frozenset(),
-                ),
+            confidence = round(each.score * FULL_CONFIDENCE)
+            write = Write(
+                each.numbers, label=person.label.id, provenance=PREDICTED,
+                confidence=np.full(len(each.numbers), confidence, np.uint8),
+                only="predictable", living=True, hidden=frozenset(),
             )  # fmt: skip
+            yield each.frame, write
 
 
 def _shown(recording: Recording, person: Named, *, stored: bool) -> FoundPerson:
