@@ -15,7 +15,7 @@ Part = TypeVar("Part")
 
 
 def lazily(package: str) -> Callable[[str], Any]:
-    """A ``__getattr__`` of ``package``: what it imports for type checkers, each name once."""
+    """Return a ``__getattr__`` of ``package`` for the names that it imports for type checkers."""
     imports = ast.walk(ast.parse(inspect.getsource(sys.modules[package])))
     places = {
         alias.name: each.module

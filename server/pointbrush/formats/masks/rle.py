@@ -14,7 +14,7 @@ DIGIT, SIGN, MORE, FIRST = 31, 16, 32, 48
 """Bits of a character: its value, the sign in the last character, another character follows; and
 the code of a character without bits."""
 MOST_CHARACTERS = 12
-"""Most characters of a run: those of a 64-bit integer."""
+"""Most characters of a run: a 64-bit integer has no more."""
 
 
 def runs_of_mask(mask: NDArray[np.bool_]) -> Runs:

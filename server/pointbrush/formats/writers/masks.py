@@ -22,7 +22,7 @@ COCO_FILE = "annotations.json"
 
 
 def write_png_masks(frames: Iterable[ExportFrame], palette: Palette, output: Output) -> None:
-    """Write ``labels/CAMERA/NNNNNN.png`` with ids of labels, ``classes/…`` with those of classes.
+    """Write ``labels/CAMERA/NNNNNN.png`` with ids of labels, ``classes/…`` with numbers of classes.
 
     The numbers are those of ``palette.json`` and ``classes.json``, in 8 bits if all are below 255,
     otherwise 16; the greatest number marks pixels in which no point is seen.

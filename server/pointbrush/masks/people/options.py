@@ -43,8 +43,8 @@ class PeopleOptions:
     """Margins around a person in the pictures for the model, as shares of the longer side."""
     most_looked: int = 12
     """Number of places in a frame that the model looks at, the nearest first."""
-    nobody: float = 0.1
-    somebody: float = 0.9
+    doubt_from: float = 0.1
+    doubt_to: float = 0.9
     """Mean probabilities of the largest surface beyond which the model looks only once."""
     sure: float = 0.4
     """Least mean probability of a person of the usual shape."""
@@ -71,7 +71,7 @@ class PeopleOptions:
     behind: float = 0.1
     """Least distance of the background behind a pixel that moved."""
     noise: int = 5
-    """Width of the square whose majority tells whether a pixel rested, pixels."""
+    """Width of the square in which most pixels must have rested, pixels."""
     mover: float = 0.3
     """Share of moved pixels from which a surface moves; furniture that it touches rests."""
     motion_weight: float = 0.8

@@ -86,7 +86,7 @@ def _surfaces(
 
 
 def _large(number: Numbers, picture: DepthPicture, options: PeopleOptions) -> Numbers:
-    """Return surfaces (h, w) without those that are too small for a part of a person."""
+    """Return surfaces (h, w) without surfaces that are too small for a part of a person."""
     sizes = np.bincount(number.ravel(), ((picture.depth * picture.pitch) ** 2).ravel())
     large = sizes >= options.smallest
     large[0] = False
@@ -241,7 +241,7 @@ def _chances(
     looks: list[list[float]] = []
     for margin in options.margins:
         looks.append(_look(picture, group, look, margin))
-        if not options.nobody <= looks[0][0] <= options.somebody:
+        if not options.doubt_from <= looks[0][0] <= options.doubt_to:
             break
     return np.asarray(np.mean(looks, axis=0))
 

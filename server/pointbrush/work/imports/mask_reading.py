@@ -103,7 +103,7 @@ def _matched(
 
 
 def _camera_of(name: str, cameras: Sequence[str]) -> str:
-    """Return the camera whose name is a folder of a mask or a word in its path; else the only one.
+    """Return the camera that a mask's folder or a word of its path names; else the only camera.
 
     Raises BadInputError if there are several cameras and the path names none of them.
     """

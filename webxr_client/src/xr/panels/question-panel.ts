@@ -10,7 +10,7 @@ import { INK, type Ui } from '../drawing/ui';
 
 /** Ems: the text, the answers, and the button below them. */
 const [TEXT_TOP, ANSWERS_TOP, LATER_TOP] = [0.2, 4, 6.6];
-/** People whose names have room. */
+/** Number of people that the panel has room to name. */
 const MOST_NAMED = 3;
 /** Letters of a line of words. */
 const LETTERS = 32;
