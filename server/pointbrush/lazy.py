@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 import inspect
+import re
 import sys
 import threading
 from collections.abc import Callable
@@ -12,16 +12,19 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeVar
 
 Part = TypeVar("Part")
+IMPORT = re.compile(r"^ +from (\S+) import (?:\(([^)]*)\)|(.*))$", re.M)
+"""An import for type checkers.  Two threads may import packages at once, but CPython 3.11 fails if
+two parse syntax trees at once."""
 
 
 def lazily(package: str) -> Callable[[str], Any]:
     """Return a ``__getattr__`` of ``package`` for the names that it imports for type checkers."""
-    imports = ast.walk(ast.parse(inspect.getsource(sys.modules[package])))
+    source = inspect.getsource(sys.modules[package])
     places = {
-        alias.name: each.module
-        for each in imports
-        if isinstance(each, ast.ImportFrom) and (each.module or "").startswith(f"{package}.")
-        for alias in each.names
+        name: module
+        for module, several, one in IMPORT.findall(source)
+        if module.startswith(f"{package}.")
+        for name in re.findall(r"\w+", several or one)
     }
 
     def find(name: str) -> Any:
