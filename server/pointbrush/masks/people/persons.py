@@ -67,7 +67,8 @@ def _surfaces(
     number = _large(connected_surfaces(picture.xyz, kept, gap), picture, options)
     if motion is not None:
         # Furniture that a moving surface touches is a surface of its own.
-        share = np.bincount(number.ravel(), motion.moved.ravel()) / np.bincount(number.ravel())
+        sizes = np.maximum(np.bincount(number.ravel()), 1)
+        share = np.bincount(number.ravel(), motion.moved.ravel()) / sizes
         at_rest = motion.rested & (number > 0) & (share[number] >= options.mover)
         if at_rest.any():
             apart = np.where(at_rest, options.widest, 0)[..., None].astype(np.float32)

@@ -22,7 +22,7 @@ _Pictured = tuple[DepthPicture, NDArray[np.int32], NDArray[np.float32]] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class PersonInFrame:
     """A person in a frame.
 
     ``numbers`` (n,) of its points, stored order, ascending; ``score`` 0 to 1; ``place`` (3,) room
@@ -53,7 +53,7 @@ class Search:
         self._memory = Memory(options)
         self._compared: dict[int, _Pictured] = {}
 
-    def people_in(self, frame: int) -> list[Seen]:
+    def people_in(self, frame: int) -> list[PersonInFrame]:
         """Return the people in a frame, the nearest first; none in a frame without a picture."""
         pictured = _pictured(self._recording, frame, self._options)
         if pictured is None:
@@ -66,7 +66,7 @@ class Search:
             numbers = points_of(person.mask, picture, number, xyz)
             place = np.median(picture.room[person.mask], axis=0).astype(np.float64)
             depth = float(np.median(picture.depth[person.mask]))
-            people.append(Seen(frame, numbers, person.score, place, depth))
+            people.append(PersonInFrame(frame, numbers, person.score, place, depth))
         return people
 
     def _others(self, frame: int) -> Iterator[DepthPicture]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from pointbrush.labels import Label
 from pointbrush.labels.classes.palette import default_color, free_name_and_color
 from pointbrush.work.classifiers.naming import class_of
-from pointbrush.work.people.frames import Seen
+from pointbrush.work.people.frames import PersonInFrame
 
 CLASSES = ("person", "pedestrian", "people", "human")
 """Names of the class of people, the usual one first."""
@@ -23,17 +23,17 @@ LabelsOf = Callable[[int, NDArray[np.int64]], NDArray[np.uint16]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Named:
+class NamedPerson:
     """A person over frames; ``label``: the one that it gets, ``known``: the palette has it."""
 
-    seen: tuple[Seen, ...]
+    seen: tuple[PersonInFrame, ...]
     label: Label
     known: bool
 
 
-def joined(found: Sequence[Sequence[Seen]]) -> list[list[Seen]]:
+def join_frames(found: Sequence[Sequence[PersonInFrame]]) -> list[list[PersonInFrame]]:
     """Return each person over the searched frames: the nearest pairs of two frames first."""
-    people: list[list[Seen]] = []
+    people: list[list[PersonInFrame]] = []
     for seen in found:
         pairs = sorted(
             (float(np.linalg.norm(person[-1].place - each.place)), p, s)
@@ -59,16 +59,16 @@ def class_among(labels: Collection[Label], admits: Callable[[str], bool]) -> str
     return next((name for name in (*used, *CLASSES) if admits(name)), CLASSES[0])
 
 
-def named(
-    people: Sequence[Sequence[Seen]], palette: Sequence[Label], labels_of: LabelsOf,
+def name_people(
+    people: Sequence[Sequence[PersonInFrame]], palette: Sequence[Label], labels_of: LabelsOf,
     admits: Callable[[str], bool],
-) -> list[Named]:  # fmt: skip
+) -> list[NamedPerson]:  # fmt: skip
     """Return people with their labels: one that most of their points have, or a new one.
 
     Ids of new labels are 0.
     """
     known = {label.id: label for label in palette if class_of(label).casefold() in CLASSES}
-    category, others, found = class_among(palette, admits), list(palette), list[Named]()
+    category, others, found = class_among(palette, admits), list(palette), list[NamedPerson]()
     taken: set[int] = set()
     for seen in people:
         label = known.get(_usual(seen, labels_of, set(known) - taken))
@@ -76,14 +76,14 @@ def named(
             fields = {"name": f"{category} 1", "color": default_color(len(others) + 1)}
             new = Label(0, category=category, **free_name_and_color(fields, others))
             others.append(new)
-            found.append(Named(tuple(seen), new, False))
+            found.append(NamedPerson(tuple(seen), new, False))
         else:
             taken.add(label.id)
-            found.append(Named(tuple(seen), label, True))
+            found.append(NamedPerson(tuple(seen), label, True))
     return found
 
 
-def _usual(seen: Sequence[Seen], labels_of: LabelsOf, known: set[int]) -> int:
+def _usual(seen: Sequence[PersonInFrame], labels_of: LabelsOf, known: set[int]) -> int:
     """Return the known label that most points of a person have in a frame, or 0."""
     for each in seen:
         found, counts = np.unique(labels_of(each.frame, each.numbers), return_counts=True)

@@ -30,8 +30,8 @@ from pointbrush.values.people import MOST_SHOWN, FoundPeople, FoundPerson, Perso
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
 from pointbrush.work.people import FIND
-from pointbrush.work.people.frames import Search, Seen, has_pictures
-from pointbrush.work.people.naming import Named, joined, named
+from pointbrush.work.people.frames import PersonInFrame, Search, has_pictures
+from pointbrush.work.people.naming import NamedPerson, join_frames, name_people
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ class _Labelling(Receiver):
         self.store, self.recording, self.frames = store, recording, frames
 
     def finish(self, job: Job, cancelled: bool) -> dict[str, Any]:
-        people = 0 if cancelled else len(joined(self.items))
+        people = 0 if cancelled else len(join_frames(self.items))
         if not people:
             why = "no label was changed" if cancelled else "no people found"
             return {"edit": None, "changed": 0, "people": 0, MESSAGE: why}
@@ -161,7 +161,7 @@ class _Labelling(Receiver):
 
     def _choose(self, palette: Palette) -> tuple[Sequence[Label], Writes]:
         """Return the labels and writes for the palette at the commit."""
-        ids, added, chosen = palette.free_ids(), list[Label](), list[Named]()
+        ids, added, chosen = palette.free_ids(), list[Label](), list[NamedPerson]()
         sequence = self.recording.manifest.id
         for person in _named(self.store, sequence, self.items, palette.labels, palette):
             label = person.label
@@ -175,17 +175,17 @@ class _Labelling(Receiver):
 
 
 def _named(
-    store: LabelStore, sequence: str, found: Iterable[Sequence[Seen]], labels: Sequence[Label],
-    palette: Palette | None = None,
-) -> list[Named]:  # fmt: skip
+    store: LabelStore, sequence: str, found: Iterable[Sequence[PersonInFrame]],
+    labels: Sequence[Label], palette: Palette | None = None,
+) -> list[NamedPerson]:  # fmt: skip
     def labels_of(frame: int, numbers: NDArray[np.int64]) -> NDArray[np.uint16]:
         return store.values(sequence, frame).label[numbers]
 
-    people = sorted(joined(list(found)), key=lambda seen: seen[0].depth)
-    return named(people, labels, labels_of, palette.admits if palette else lambda _: True)
+    people = sorted(join_frames(list(found)), key=lambda seen: seen[0].depth)
+    return name_people(people, labels, labels_of, palette.admits if palette else lambda _: True)
 
 
-def _writes(people: Iterable[Named]) -> Iterator[tuple[int, Write]]:
+def _writes(people: Iterable[NamedPerson]) -> Iterator[tuple[int, Write]]:
     for person in people:
         for each in person.seen:
             confidence = round(each.score * FULL_CONFIDENCE)
@@ -197,7 +197,7 @@ def _writes(people: Iterable[Named]) -> Iterator[tuple[int, Write]]:
             yield each.frame, write
 
 
-def _shown(recording: Recording, person: Named, *, stored: bool) -> FoundPerson:
+def _shown(recording: Recording, person: NamedPerson, *, stored: bool) -> FoundPerson:
     frames = []
     for each in person.seen:
         numbers = each.numbers
