@@ -16,6 +16,9 @@ IWER = (
     Path(__file__).parents[2] / "webxr_client" / "node_modules" / "iwer" / "build" / "iwer.min.js"
 )
 
+# Attempts to bring a ray to a control of a panel that moves.
+POINTING_TRIES = 5
+
 # Lengths of the pulses that tell what is felt, milliseconds.
 PAINTING = 25
 TICK = 6
@@ -246,11 +249,19 @@ class Headset(Desk):
         self.until(f"hs.open('{panel}') && hs.areas('{panel}').length > 0")
 
     def click(self, panel: str, name: str, hand: str = "right") -> None:
-        """Point at something on a panel by its name, and press."""
-        self.call(panel, hand)
-        there = f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})"
-        self.until(f"!hs.headset.cockpit.panels.{panel}.dirty && {there}")
-        self.point_at(panel, name, 0.5, hand)
+        """Point at something on a panel by its name, and press.
+
+        A panel follows the head and the hand, so it may move while the ray is on its way: point
+        again until the ray meets the control.
+        """
+        met = f"hs.pointedAt('{panel}') === {json.dumps(name)}"
+        for _ in range(POINTING_TRIES):
+            self.call(panel, hand)
+            there = f"hs.areas('{panel}').some((area) => area.name === {json.dumps(name)})"
+            self.until(f"!hs.headset.cockpit.panels.{panel}.dirty && {there}")
+            self.point_at(panel, name, 0.5, hand)
+            if self.ask(met):
+                break
         self.trigger(1, hand)
         self.trigger(0, hand)
 

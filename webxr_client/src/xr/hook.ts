@@ -101,6 +101,8 @@ export function installHeadsetHook(
     people: () => people.seen(),
     /** Whether a panel is unfolded, so that its buttons can be pressed. */
     open: (name: PanelName) => panel(name).open,
+    /** Name of the control of a panel under a ray. */
+    pointedAt: (name: PanelName) => panel(name).pointedAt,
     /** Places on a panel that answer, 0..1. */
     areas: (name: PanelName) => panel(name).places(),
   };

@@ -269,6 +269,11 @@ export abstract class Panel {
     this.dirty = true;
   }
 
+  /** Name of the control under the ray; null: none. */
+  get pointedAt(): string | null {
+    return this.ui.areas[this.hover]?.name ?? null;
+  }
+
   /** Areas that answer to the ray, as shares of the panel: name, left, top, width, height. */
   places(): { name: string; x: number; y: number; w: number; h: number }[] {
     const { width, height, areas } = this.ui;
