@@ -10,8 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.values.kinds import SensorType
 
 Float = np.float32 | np.float64
+
+MOST_SENSORS = 64
+"""Most sensors of one recording."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +28,30 @@ class DepthCamera:
     fy: float
     cx: float
     cy: float
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """One of several sensors of a recording, with the name that its files or its user gave it."""
+
+    name: str
+    type: SensorType = "unknown"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FramePart:
+    """The points of one sensor in a frame.
+
+    ``sensor``          number of the sensor in the recording's list, from 0.
+    ``T_frame_sensor``  (4, 4) float64, the sensor's mount when the frame was recorded.
+    ``timestamp``       seconds, or None.
+    ``camera``          intrinsics when the points are the valid pixels of a depth image.
+    """
+
+    sensor: int
+    T_frame_sensor: NDArray[np.float64]
+    timestamp: float | None = None
+    camera: DepthCamera | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +77,11 @@ class PointFrame:
     ``dropped``    number of invalid points (missing pixels) the reader left out.
     ``camera``     intrinsics when the points are the valid pixels of a depth image, with
     ``pixel``      (N,) uint32 row-major pixel index of each point; both or neither.
+    ``sensors``    the recording's sensors when it has several, the same in all frames, else ();
+    ``parts``      in the order of ``sensor``: those of them with points in this frame, and
+    ``sensor``     (N,) uint8 number of each point's sensor, not decreasing.  ``xyz`` are then the
+    points in the frame's coordinates, ``camera`` is None and ``pixel`` counts in the part's image.
+    ``sensor_xyz`` (N, 3) the points in their sensor's coordinates, bit for bit as in the source.
     ``other``      further fields of the source (N,), in its order and types, for exports.
     ``header``     the source's header as its format keeps it for exports, or None.
     ``rows``       (N,) which row of the source each point was, where some were left out; or None.
@@ -72,6 +105,10 @@ class PointFrame:
     header: bytes | None = None
     rows: NDArray[np.int64] | None = None
     scaling: Scaling | None = None
+    sensors: tuple[Sensor, ...] = ()
+    parts: tuple[FramePart, ...] = ()
+    sensor: NDArray[np.uint8] | None = None
+    sensor_xyz: NDArray[np.float32] | NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         xyz = self.xyz
@@ -97,6 +134,7 @@ class PointFrame:
             ("pose", self.pose, (4, 4), np.float64),
             ("viewpoint", self.viewpoint, (3,), np.float64),
             ("rows", self.rows, (n,), np.int64),
+            ("sensor", self.sensor, (n,), np.uint8),
         )
         for name, array, shape, dtype in columns:
             if array is not None and (array.shape != shape or array.dtype != dtype):
@@ -106,8 +144,25 @@ class PointFrame:
         for name, values in self.other.items():
             if values.shape != (n,):
                 raise BadInputError(f"{name}: expected ({n},) values, got {values.shape}")
-        if (self.camera is None) != (self.pixel is None):
+        if self.sensor is not None:
+            self._require_parts(self.sensor)
+        elif (self.camera is None) != (self.pixel is None):
             raise BadInputError("camera and pixel: expected both or neither")
+
+    def _require_parts(self, sensor: NDArray[np.uint8]) -> None:
+        """Raise BadInputError unless sensors, parts and each point's sensor fit together."""
+        numbers = [part.sensor for part in self.parts]
+        if numbers != sorted(set(numbers)) or not set(numbers) <= set(range(len(self.sensors))):
+            raise BadInputError(
+                f"parts: expected increasing numbers below {len(self.sensors)}, got {numbers}"
+            )
+        if len(self.sensors) > MOST_SENSORS:
+            raise BadInputError(f"expected {MOST_SENSORS} sensors at most, got {len(self.sensors)}")
+        present = np.unique(sensor).tolist()
+        if not set(present) <= set(numbers) or (np.diff(sensor.astype(np.int16)) < 0).any():
+            raise BadInputError(f"sensor: expected {numbers}, in this order, got {present}")
+        if self.sensor_xyz is None or self.sensor_xyz.shape != self.xyz.shape:
+            raise BadInputError(f"sensor_xyz: expected {self.xyz.shape} coordinates")
 
     def __len__(self) -> int:
         return len(self.xyz)

@@ -43,6 +43,18 @@ Side = Annotated[float, Rule(gt=0, le=LONGEST_SIDE, allow_inf_nan=False)]
 Sides = Annotated[tuple[Side, Side, Side], Items()]
 """Length, width and height of a box, metres."""
 
+SensorType = Annotated[
+    Literal["depth", "spinning", "solid-state", "radar", "unknown"],
+    Meanings(
+        {
+            "depth": "a depth camera",
+            "spinning": "a lidar that turns",
+            "solid-state": "a lidar without a turning head",
+            "radar": "a radar",
+            "unknown": "the files do not tell",
+        }
+    ),
+]
 Role = Annotated[
     Literal["viewer", "annotator", "reviewer", "manager", "admin"],
     Meanings(
