@@ -61,9 +61,9 @@ class Memory:
         return unseen <= self._options.forgotten and unchecked <= self._options.looked_again
 
     def _find(self, surface: Surface) -> _Known | None:
-        least = self._options.resized
+        least = self._options.least_resize
         for each in self._known:
-            if math.dist(each.middle, surface.middle) > self._options.moved:
+            if math.dist(each.middle, surface.middle) > self._options.largest_step:
                 continue
             if least <= each.area / surface.area <= 1 / least:
                 return each

@@ -38,11 +38,11 @@ def find_motion(
             continue
         both, step = picture.seen & other.seen, other.depth - picture.depth
         same = both & (np.abs(step) <= gap)
-        if same.sum() >= options.steady * max(1, both.sum()):
+        if same.sum() >= options.steady_share * max(1, both.sum()):
             rested |= same
-            behind |= both & (step > options.behind)
+            behind |= both & (step > options.background_gap)
             known = True
     if not known:
         return None
-    mostly = uniform_filter(rested.astype(np.float32), options.noise) > 0.5
+    mostly = uniform_filter(rested.astype(np.float32), options.rest_window) > 0.5
     return Motion(mostly, behind & ~rested)

@@ -30,12 +30,12 @@ class PeopleOptions:
     shortest: float = 0.4
     """Least height of the visible part of a person."""
     lowest: float = 0.6
-    below: int = 3
-    in_air: float = 0.8
+    pixels_below: int = 3
+    air_share: float = 0.8
     """Height from which a group may be in the air, number of pixels below it at which that is
     judged, and share of its columns that then show the background."""
     gap_between: float = 0.15
-    together: float = 0.45
+    body_apart: float = 0.45
     """Largest gap and distance of the middles, in the plan, of surfaces of one person."""
     body: float = 0.06
     """Least visible area of the largest surface of a person, square metres."""
@@ -46,7 +46,7 @@ class PeopleOptions:
     doubt_from: float = 0.1
     doubt_to: float = 0.9
     """Mean probabilities of the largest surface beyond which the model looks only once."""
-    sure: float = 0.4
+    least_sure: float = 0.4
     """Least mean probability of a person of the usual shape."""
     usual_top: float = 1.65
     usual_width: float = 0.4
@@ -56,34 +56,34 @@ class PeopleOptions:
     width_weight: float = 0.285
     area_weight: float = 0.046
     """Probability that a metre of height, a metre of width, and a factor e of area cost."""
-    part: float = 0.4
+    least_part: float = 0.4
     """Least mean probability of a surface of a person."""
-    moved: float = 0.15
-    resized: float = 0.6
+    largest_step: float = 0.15
+    least_resize: float = 0.6
     """Largest step of a surface between frames, and least ratio of its areas, to be the same."""
     new_share: float = 0.25
     """Share of new surfaces in a group from which the model looks at it again."""
     forgotten: int = 3
     looked_again: int = 15
     """Frames after which an unseen surface is forgotten, and a seen one looked at again."""
-    steady: float = 0.5
+    steady_share: float = 0.5
     """Least share of a picture that has the same depth in another frame if the camera rests."""
-    behind: float = 0.1
+    background_gap: float = 0.1
     """Least distance of the background behind a pixel that moved."""
-    noise: int = 5
+    rest_window: int = 5
     """Width of the square in which most pixels must have rested, pixels."""
-    mover: float = 0.3
+    moving_share: float = 0.3
     """Share of moved pixels from which a surface moves; furniture that it touches rests."""
     motion_weight: float = 0.8
     """Least probability of a surface that moved as a whole."""
     moving_top: float = 0.8
     moving_body: float = 0.02
     moving_sure: float = 0.3
-    """``top``, ``body`` and ``sure`` of moving surfaces."""
-    still: float = 0.06
-    still_cost: float = 0.7
+    """``top``, ``body`` and ``least_sure`` of moving surfaces."""
+    still_share: float = 0.06
+    resting_cost: float = 0.7
     """Least share of moved pixels of a person, and the probability that a resting group costs."""
-    between: float = 1.0
+    compared_apart: float = 1.0
     """Least time between frames that are compared, seconds."""
     colour_step: float = 25.0
     """Largest distance of the colours of neighbouring pixels of one area, of 255 a channel."""

@@ -69,7 +69,7 @@ def _surfaces(
         # Furniture that a moving surface touches is a surface of its own.
         sizes = np.maximum(np.bincount(number.ravel()), 1)
         share = np.bincount(number.ravel(), motion.moved.ravel()) / sizes
-        at_rest = motion.rested & (number > 0) & (share[number] >= options.mover)
+        at_rest = motion.rested & (number > 0) & (share[number] >= options.moving_share)
         if at_rest.any():
             apart = np.where(at_rest, options.widest, 0)[..., None].astype(np.float32)
             split = connected_surfaces(picture.xyz + apart, number > 0, gap)
@@ -127,7 +127,7 @@ def _groups(surfaces: list[Surface], options: PeopleOptions) -> list[list[Surfac
 def _is_one(body: Surface, other: Surface, options: PeopleOptions) -> bool:
     """Return whether a surface stands where a larger one stands."""
     apart = math.hypot(body.middle[0] - other.middle[0], body.middle[2] - other.middle[2])
-    if apart > options.together:
+    if apart > options.body_apart:
         return False
     gaps = [max(0.0, body.low[k] - other.high[k], other.low[k] - body.high[k]) for k in (0, 2)]
     return math.hypot(*gaps) <= options.gap_between
@@ -138,7 +138,7 @@ def _person(
 ) -> Person | None:
     """Return the person that a group of surfaces is, None for other things."""
     moving = _is_moving(group[0], options)
-    least = _unusual(group, options) + (options.moving_sure if moving else options.sure)
+    least = _unusual(group, options) + (options.moving_sure if moving else options.least_sure)
     if least > 1 or not _is_tall(group, options):
         return None
     model = memory.recall(group)
@@ -149,7 +149,7 @@ def _person(
     chance = np.fmax(model, motion)
     counts = np.array([len(surface.rows) for surface in group])
     mean = float(chance @ counts / counts.sum())
-    parts = [each for each, part in zip(group, chance, strict=True) if part >= options.part]
+    parts = [each for each, part in zip(group, chance, strict=True) if part >= options.least_part]
     if mean < least or not _has_size(parts, options) or _floats(parts, picture, options):
         return None
     mask = np.zeros(picture.seen.shape, np.bool_)
@@ -167,7 +167,7 @@ def _is_tall(group: list[Surface], options: PeopleOptions) -> bool:
 
 
 def _is_moving(surface: Surface, options: PeopleOptions) -> bool:
-    return surface.moved >= options.mover
+    return surface.moved >= options.moving_share
 
 
 def _has_size(group: list[Surface], options: PeopleOptions) -> bool:
@@ -190,9 +190,9 @@ def _floats(group: list[Surface], picture: DepthPicture, options: PeopleOptions)
         np.maximum.at(lowest, each.columns, each.rows)
     columns = np.flatnonzero(lowest >= 0)
     rows = lowest[columns]
-    below = np.minimum(rows + options.below, len(picture.seen) - 1)
-    behind = picture.depth[below, columns] - picture.depth[rows, columns] > options.behind
-    return bool(behind.mean() > options.in_air)
+    below = np.minimum(rows + options.pixels_below, len(picture.seen) - 1)
+    behind = picture.depth[below, columns] - picture.depth[rows, columns] > options.background_gap
+    return bool(behind.mean() > options.air_share)
 
 
 def _is_cut(group: list[Surface]) -> bool:
@@ -210,7 +210,7 @@ def _unusual(group: list[Surface], options: PeopleOptions) -> float:
         (0.0 if _is_cut(group) else options.top_weight * abs(above))
         + options.width_weight * width
         + options.area_weight * small
-        + options.still_cost * max(0.0, 1 - _moved(group) / options.still)
+        + options.resting_cost * max(0.0, 1 - _moved(group) / options.still_share)
     )
 
 

@@ -55,7 +55,7 @@ class Search:
 
     def people_in(self, frame: int) -> list[PersonInFrame]:
         """Return the people in a frame, the nearest first; none in a frame without a picture."""
-        pictured = _pictured(self._recording, frame, self._options)
+        pictured = self._compared.get(frame) or _pictured(self._recording, frame, self._options)
         if pictured is None:
             return []
         picture, number, xyz = pictured
@@ -73,7 +73,7 @@ class Search:
         """Yield pictures of the recording's first, middle and last frame, if they are far apart."""
         last, fps = len(self._recording) - 1, self._recording.manifest.fps
         for other in sorted({0, last // 2, last}):
-            if abs(other - frame) < self._options.between * fps:
+            if abs(other - frame) < self._options.compared_apart * fps:
                 continue
             if other not in self._compared:
                 self._compared[other] = _pictured(self._recording, other, self._options)
