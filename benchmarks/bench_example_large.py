@@ -25,6 +25,7 @@ from pointbrush.labels import Write
 from pointbrush.labels.types import PAINTED
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
+from pointbrush.values.classifiers import Application
 from pointbrush.workspace import Workspace
 from pointbrush_samples.classes import Classified, classified_tile
 
@@ -90,7 +91,7 @@ def run(root: Path) -> None:
         print(f"taught by {sum(made.examples.values()):,} cells of {made.cell:.2f} m in "
               f"{time.perf_counter() - start:.1f} s", flush=True)  # fmt: skip
         start = time.perf_counter()
-        job = workspace.predictions.start(NAME, author="bench", classifier=made.id)
+        job = workspace.predictions.start(NAME, Application(made.id), "bench")
         ended = workspace.runner.wait(job.id, PATIENCE)
         assert ended.state == "done", ended.error
         took = time.perf_counter() - start

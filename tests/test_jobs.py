@@ -25,6 +25,7 @@ from pointbrush.errors import BadInputError, ConflictError, NotFoundError, Unava
 from pointbrush.jobs import worker
 from pointbrush.jobs.runner import JobRunner, Receiver
 from pointbrush.jobs.worker import Channel, DaskExecutor, brief_logs
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE, eventually
@@ -262,7 +263,7 @@ def test_a_recording_is_tracked_on_the_cluster(cluster: str, tmp_path: Path) -> 
         workspace.labels.create_label("wall", "anna", name="pin")
         stroke = {"id": str(uuid.uuid4()), "label": 1, "radius": 0.3}
         workspace.strokes.apply("wall", 0, stroke | {"samples": [{"origin": [0, 0, 3]}]}, "anna")
-        job = workspace.tracking.start("wall", start=0, stop=2, author="anna", method="icp")
+        job = workspace.tracking.start("wall", TrackingRequest("icp", start=0, stop=2), "anna")
         job = workspace.runner.wait(job.id, PATIENCE)
         assert (job.state, job.error) == ("done", None)
         assert workspace.labels.counts("wall")[1, 1][0] > 0

@@ -21,6 +21,7 @@ from pointbrush.errors import (
 )
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.work.events import Event, Provisional, Retracted
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
@@ -66,8 +67,8 @@ def paint(workspace: Workspace, frame: int, label: int = 1, **fields: object) ->
 
 
 def track(workspace: Workspace, **options: object) -> dict[str, object]:
-    request = {"start": 0, "stop": FRAMES - 1, "method": "icp", "author": "ada", **options}
-    job = workspace.runner.wait(workspace.tracking.start(SEQUENCE, **request).id, PATIENCE)  # type: ignore[arg-type]
+    request = TrackingRequest(**{"start": 0, "stop": FRAMES - 1, "method": "icp", **options})  # type: ignore[arg-type]
+    job = workspace.runner.wait(workspace.tracking.start(SEQUENCE, request, "ada").id, PATIENCE)
     assert job.state == "done", job.error
     assert job.result is not None
     return job.result
@@ -134,7 +135,7 @@ def test_locked_labels_are_never_changed(workspace: Workspace) -> None:
     with pytest.raises(LockedLabelError):
         paint(workspace, 1)
     with pytest.raises(LockedLabelError):
-        track(workspace, labels=[1])
+        track(workspace, labels=(1,))
     with pytest.raises(LockedLabelError):
         workspace.annotations.put(SEQUENCE, 0, np.zeros(WALL + 600, np.uint16), author="ada")
 
@@ -166,21 +167,21 @@ def tracked_up_to_another(workspace: Workspace) -> int:
     other = workspace.labels.create_label(SEQUENCE, "ada", name="other").id
     paint(workspace, 0)
     paint(workspace, 3, other)
-    track(workspace, labels=[1])
+    track(workspace, labels=(1,))
     return other
 
 
 def test_painted_points_beat_tracked_ones(workspace: Workspace) -> None:
     other = tracked_up_to_another(workspace)
     assert (label(workspace, 3)[WALL:] == other).all()
-    track(workspace, labels=[1], overwrite="all")
+    track(workspace, labels=(1,), overwrite="all")
     assert (label(workspace, 3)[WALL:] == 1).mean() > 0.9
 
 
 def test_a_label_ends_where_it_is_lost_unless_it_is_looked_for(workspace: Workspace) -> None:
     tracked_up_to_another(workspace)
     assert not (label(workspace, 4) == 1).any()
-    track(workspace, labels=[1], continue_lost=True)
+    track(workspace, labels=(1,), continue_lost=True)
     assert (label(workspace, 4)[WALL:] == 1).mean() > 0.9
 
 
@@ -226,7 +227,7 @@ def test_never_overwrites_nothing_that_has_a_label(workspace: Workspace) -> None
         {"label": 1, "shape": "sphere", "radius": 0.15, "samples": [{"origin": [0, 0, 1]}]},
         "ada",
     )
-    track(workspace, labels=[1], overwrite="never")
+    track(workspace, labels=(1,), overwrite="never")
     assert (label(workspace, 4)[WALL:] == other).mean() > 0.95
 
 
@@ -259,7 +260,9 @@ def test_a_cancelled_run_keeps_or_drops_what_it_found(workspace: Workspace, keep
             ended.set()
 
     workspace.subscribe(listen)
-    job = workspace.tracking.start(SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada")
+    job = workspace.tracking.start(
+        SEQUENCE, TrackingRequest("icp", start=0, stop=FRAMES - 1), "ada"
+    )
     assert found.wait(60)
     workspace.jobs.cancel(job.id, keep=keep)
     go_on.set()
@@ -275,11 +278,10 @@ def test_a_cancelled_run_keeps_or_drops_what_it_found(workspace: Workspace, keep
     [
         ({"start": 0, "stop": FRAMES}, NotFoundError),
         ({"start": 0, "stop": 0}, BadInputError),
-        ({"labels": [9]}, NotFoundError),
-        ({"start": 1, "labels": [1]}, BadInputError),
+        ({"labels": (9,)}, NotFoundError),
+        ({"start": 1, "labels": (1,)}, BadInputError),
         ({"start": 1}, BadInputError),
         ({"method": "guess"}, BadInputError),
-        ({"overwrite": "maybe"}, BadInputError),
     ],
 )
 def test_runs_that_cannot_be_are_refused_at_once(

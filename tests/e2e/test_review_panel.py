@@ -14,6 +14,7 @@ from pointbrush.labels import Write
 from pointbrush.review import ReviewPanel
 from pointbrush.samples import generate
 from pointbrush.settings import Settings
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.workspace import Workspace
 from tests.waiting import PATIENCE
 
@@ -39,7 +40,7 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
             writes={0: Write(points, label=PIN, provenance=1)},
             summary="painted",
         )
-        job = opened.tracking.start(manifest.id, start=0, stop=FRAMES - 1, author="ada")
+        job = opened.tracking.start(manifest.id, TrackingRequest(start=0, stop=FRAMES - 1), "ada")
         assert opened.runner.wait(job.id, PATIENCE).state == "done"
         yield opened
 

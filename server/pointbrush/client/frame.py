@@ -26,7 +26,7 @@ from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera
 from pointbrush.values.masks import LATTICE, MaskEdit, MaskPrompt
 from pointbrush.values.objects import Candidate, Candidates
-from pointbrush.values.tracking import Clearing, Copying
+from pointbrush.values.runs import Clearing, Copying
 
 
 class Frame(Part[L]):

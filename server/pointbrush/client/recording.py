@@ -33,7 +33,8 @@ from pointbrush.values.labels import (
 )
 from pointbrush.values.people import FoundPeople, LabelledPeople, PeopleSearch
 from pointbrush.values.recordings import Manifest, RecordingPatch
-from pointbrush.values.tracking import Overwrite, Run, Stretch, Track, TrackingRequest
+from pointbrush.values.runs import Overwrite, Stretch, TrackingRequest
+from pointbrush.values.tracking import Run, Track
 
 
 class Recording(Part[L]):
@@ -203,8 +204,8 @@ class Recording(Part[L]):
     ) -> Steps[Job]:  # fmt: skip
         """Start a tracking run and return its job; arguments as of ``track``."""
         body = TrackingRequest(
-            start, stop, tuple_of(labels), method, overwrite,
-            continue_lost, until_painted, stop_unsure,
+            method, overwrite, continue_lost, until_painted, stop_unsure,
+            start=start, stop=stop, labels=tuple_of(labels),
         )  # fmt: skip
         return self._start("/tracking", body, patience)
 
@@ -224,8 +225,8 @@ class Recording(Part[L]):
         CancelledError, UnavailableError.
         """
         body = TrackingRequest(
-            start, stop, tuple_of(labels), method, overwrite,
-            continue_lost, until_painted, stop_unsure,
+            method, overwrite, continue_lost, until_painted, stop_unsure,
+            start=start, stop=stop, labels=tuple_of(labels),
         )  # fmt: skip
         job = yield from self._start("/tracking", body, patience)
         return read(Run, (yield from finished(job, progress=progress, patience=patience)))

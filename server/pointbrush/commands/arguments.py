@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeAlias, Union, get_args, get_origin, get_type_hints
 
 from pointbrush.commands.answers import Answer
 from pointbrush.errors import BadInputError
 from pointbrush.settings.definitions import UNBOUNDED
+from pointbrush.values.base import Meanings, Value, default_of, descriptions
 
 Run: TypeAlias = Callable[[argparse.Namespace, Any], Answer | None]
 """Runs a command with its given arguments at a place, see ``places.Place``."""
@@ -26,19 +28,15 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Verb:
-    """A command: its name, its one-line description, its arguments and its function.
-
-    A dataclass among ``arguments`` stands for a flag for each of its fields, see
-    ``definitions.choice``.
-    """
+    """A command: its name, its one-line description, its arguments and its function."""
 
     name: str
     text: str
-    arguments: tuple[Argument | type, ...]
+    arguments: tuple[Argument, ...]
     run: Run
 
 
-def verb(*arguments: Argument | type) -> Callable[[Run], Verb]:
+def verb(*arguments: Argument) -> Callable[[Run], Verb]:
     """Declare a function as the command of its name; its docstring's first line describes it."""
 
     def declare(run: Run) -> Verb:
@@ -57,6 +55,42 @@ def argument(name: str, help: str, **options: Any) -> Argument:
 def switch(name: str, help: str) -> Argument:
     """Declare a flag without a value."""
     return argument(name, help, action="store_true")
+
+
+def flags_of(kind: type[Value], *names: str) -> Iterator[Argument]:
+    """Yield a flag for each of the named fields of a value (none: all), with the field's sentence.
+
+    The default of a flag is that of its field.
+    """
+    hints, texts = get_type_hints(kind, include_extras=True), descriptions(kind)
+    for each in fields(kind):  # type: ignore[arg-type]
+        if names and each.name not in names:
+            continue
+        types = list(_parts_of(hints[each.name]))
+        text = " ".join(
+            [texts.get(each.name, ""), *(part.text for part in types if isinstance(part, Meanings))]
+        )
+        text = text.replace("`", "").replace("null:", "default:").removesuffix(".")
+        options: dict[str, Any] = {"default": default_of(each)}
+        if options["default"]:
+            text += f" (default: {options['default']})"
+        if bool in types:
+            optional = type(None) in types
+            options["action"] = argparse.BooleanOptionalAction if optional else "store_true"
+        elif float in types:
+            options["type"] = positive
+        elif get_origin(types[0]) is Literal:
+            options["choices"] = get_args(types[0])
+        yield argument(f"--{each.name.replace('_', '-')}", text[:1].lower() + text[1:], **options)
+
+
+def _parts_of(hint: Any) -> Iterator[Any]:
+    """Yield the types that a field may have, and their limits and meanings."""
+    if get_origin(hint) in (Annotated, Union, UnionType):
+        for each in get_args(hint):
+            yield from _parts_of(each)
+    else:
+        yield hint
 
 
 def listed(text: str) -> list[str]:

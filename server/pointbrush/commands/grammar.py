@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from typing import Any, Literal, get_args, get_origin
+from typing import Any
 
 from pointbrush import __version__
 from pointbrush.commands import (
@@ -18,10 +18,10 @@ from pointbrush.commands import (
     team,
     tools,
 )
-from pointbrush.commands.arguments import Argument, Verb, argument, positive, verb
+from pointbrush.commands.arguments import Verb, argument, verb
 from pointbrush.errors import BadInputError
 from pointbrush.settings.command_sets import CLIENTS, EVERYWHERE, GROUPS, STORES
-from pointbrush.settings.definitions import Option, options_of
+from pointbrush.settings.definitions import Option
 from pointbrush.settings.settings import options
 
 HIDDEN = "Options of the database and of object storage: docs/options.md"
@@ -66,30 +66,12 @@ def _fill(command: argparse.ArgumentParser, each: Verb) -> None:
     """Add the arguments of a verb, and the options that it takes."""
     command.set_defaults(command=each.name, run=each.run)
     for own in each.arguments:
-        if isinstance(own, Argument):
-            command.add_argument(own.name, **own.options)
-        else:
-            _add_choices(command, own)
+        command.add_argument(own.name, **own.options)
     _add_settings(each.name, command)
     if each not in PRINTERS:
         command.add_argument(
             "--json", action="store_true", help="print the answer as one JSON document"
         )
-
-
-def _add_choices(command: argparse.ArgumentParser, kind: type) -> None:
-    """Add a flag for each choice of a dataclass, see ``definitions.choice``."""
-    for each in options_of(kind):
-        how: dict[str, Any] = {"default": each.default, "help": each.definition.help}
-        if each.kind is bool:
-            how["action"] = "store_true"
-        elif each.kind == bool | None:
-            how["action"] = argparse.BooleanOptionalAction
-        elif each.kind is float:
-            how["type"] = positive
-        elif get_origin(each.kind) is Literal:
-            how["choices"] = get_args(each.kind)
-        command.add_argument(each.flag, **how)
 
 
 def _add_settings(name: str, command: argparse.ArgumentParser) -> None:

@@ -4,32 +4,30 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 from pointbrush.commands.answers import Answer, confirmed, merge_answers
-from pointbrush.commands.arguments import SEQUENCE, argument, positive, switch, verb
+from pointbrush.commands.arguments import SEQUENCE, argument, flags_of, switch, verb
 from pointbrush.commands.places import Place, finished
 from pointbrush.errors import BadInputError
-from pointbrush.formats.tables.corrections import Corrections
+from pointbrush.formats.tables.names import LABEL_FORMATS
 from pointbrush.settings.definitions import values_of
-from pointbrush.work.imports.options import LabelOptions
+from pointbrush.values.imports import ImportOptions, LabelOptions
+
+IMPORT_FLAGS = tuple(each.name for each in fields(ImportOptions) if each.name != "id")
 
 
 @verb(
     argument("paths", "files, folders, globs or archives", nargs="+", type=Path, metavar="PATH"),
-    argument("--name", "name of the recording (default: from the path)"),
     switch("--each", "import each file and folder in PATH as a recording of its own"),
-    argument("--project", "id of the recording's project", default="default", metavar="P"),
-    argument("--fps", "frames per second", type=positive),
-    Corrections,
+    *flags_of(ImportOptions, *IMPORT_FLAGS),
     switch("--dry-run", "print the import's result without importing"),
 )
 def import_(given: argparse.Namespace, place: Place) -> Answer:
     """Import files as one recording."""
-    options = values_of(Corrections, given) | {"name": given.name, "fps": given.fps}
-    options |= {"project": given.project}
+    options = {name: getattr(given, name) for name in IMPORT_FLAGS}
     recordings = _recordings(given)
     if given.dry_run:
         return merge_answers(
@@ -132,7 +130,8 @@ def _warnings(result: Mapping[str, Any]) -> list[str]:
         "--map", "file with the names of classes: JSON, YAML, XML, or lines 'number name'",
         type=Path, metavar="FILE",
     ),
-    LabelOptions,
+    argument("--format", f"format of the labels (default: detected): {', '.join(LABEL_FORMATS)}"),
+    *flags_of(LabelOptions, "no_ground", "by_order", "field", "allow_empty", "boxes"),
     switch("--dry-run", "print the labels found without importing"),
 )  # fmt: skip
 def import_labels(given: argparse.Namespace, place: Place) -> Answer:

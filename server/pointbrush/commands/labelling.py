@@ -14,6 +14,7 @@ from pointbrush.commands.arguments import (
     SEQUENCE,
     SOME_LABELS,
     argument,
+    flags_of,
     listed,
     required,
     share,
@@ -24,7 +25,9 @@ from pointbrush.commands.arguments import (
 from pointbrush.commands.places import Place, finished
 from pointbrush.errors import BadInputError
 from pointbrush.names import composed
-from pointbrush.work.tracking.options import RunOptions
+from pointbrush.settings.definitions import values_of
+from pointbrush.values.boxes import BoxFit
+from pointbrush.values.runs import TrackingOptions
 
 if TYPE_CHECKING:
     from pointbrush.client import Classifier, Label
@@ -41,13 +44,15 @@ FRAME = whole("a frame number from 0", 0)
         required=True, metavar="J",
     ),
     argument("--labels", f"{SOME_LABELS} (default: all labels in frame I)"),
-    RunOptions,
+    *flags_of(TrackingOptions),
 )  # fmt: skip
 def track(given: argparse.Namespace, place: Place) -> Answer:
     """Track labels through the following frames."""
     recording = place[given.sequence]
     labels = _labels_named(given.labels, recording.labels)
-    job = recording.start_tracking(labels, given.start, given.stop, **RunOptions.of(given))
+    job = recording.start_tracking(
+        labels, given.start, given.stop, **values_of(TrackingOptions, given)
+    )
     result = finished(place, job)
     line = f"tracked {result['frames']} frames, {result['changed']:,} points labelled"
     return Answer(result, [line])
@@ -56,9 +61,7 @@ def track(given: argparse.Namespace, place: Place) -> Answer:
 @verb(
     SEQUENCE,
     argument("--labels", f"{SOME_LABELS} (default: all)"),
-    argument("--category", "only labels of this category"),
-    FRAMES,
-    switch("--redraw", "replace boxes drawn by hand, too"),
+    *flags_of(BoxFit, "category", "frames", "redraw"),
 )
 def fit_boxes(given: argparse.Namespace, place: Place) -> Answer:
     """Fit a box to the points of each label, over all frames."""
@@ -94,7 +97,9 @@ def _person_line(person: FoundPerson) -> str:
     return f"{person.name}\t{frames}\t{points:,} points"
 
 
-def _labels_named(text: str | None, palette: Callable[[], Iterable[Label]]) -> list[int] | None:
+def _labels_named(
+    text: str | None, palette: Callable[[], Iterable[Label]]
+) -> tuple[int, ...] | None:
     """Return the ids of labels by their names or ids, which commas separate; None for no text.
 
     ``palette`` returns the labels to choose from.  Raises BadInputError.
@@ -107,7 +112,7 @@ def _labels_named(text: str | None, palette: Callable[[], Iterable[Label]]) -> l
     for part in wanted:
         if part not in ids:
             raise BadInputError(f"--labels: expected names or ids of the palette, got {part!r}")
-    return [ids[part] for part in wanted]
+    return tuple(ids[part] for part in wanted)
 
 
 @verb(

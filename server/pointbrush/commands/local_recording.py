@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pointbrush.values.boxes import BoxFit
+from pointbrush.values.classifiers import Application
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.values.team.review import Agreement
 
 if TYPE_CHECKING:
@@ -64,14 +67,13 @@ class LocalRecording(Part):
         return counted_labels(self.workspace.labels, self.id)
 
     def start_tracking(
-        self, labels: Sequence[int] | None, start: int, stop: int, **options: Any
+        self, labels: tuple[int, ...] | None, start: int, stop: int, **options: Any
     ) -> Job:
-        return self.workspace.tracking.start(
-            self.id, start=start, stop=stop, labels=labels, author=AUTHOR, **options
-        )
+        body = TrackingRequest(start=start, stop=stop, labels=labels, **options)
+        return self.workspace.tracking.start(self.id, body, AUTHOR)
 
-    def start_fit_boxes(self, labels: Sequence[int] | None, **options: Any) -> Job:
-        return self.workspace.fitting.fit(self.id, author=AUTHOR, labels=labels, **options)
+    def start_fit_boxes(self, labels: tuple[int, ...] | None, **options: Any) -> Job:
+        return self.workspace.fitting.fit(self.id, BoxFit(labels, **options), AUTHOR)
 
     def find_people(self, frames: Sequence[int]) -> FoundPeople:
         return self.workspace.people.find(self.id, frames)
@@ -118,9 +120,8 @@ class LocalByExample(Part):
     """The calls of ``client.ByExample``."""
 
     def start(self, classifier: str, frames: str, above: float | None) -> Job:
-        return self.workspace.predictions.start(
-            self.id, author=AUTHOR, classifier=classifier, frames=frames, above=above
-        )
+        body = Application(classifier, frames, above)
+        return self.workspace.predictions.start(self.id, body, AUTHOR)
 
 
 class LocalReview(Part):

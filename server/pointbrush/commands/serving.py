@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 from pointbrush.commands.arguments import FROM_ONE, argument, verb
 from pointbrush.commands.places import finished
-from pointbrush.work.imports.options import SAMPLES
 
 if TYPE_CHECKING:
     from pointbrush.commands.local import LocalClient
+
+SAMPLES = ("juggling", "aerial")
+"""Sample recordings of `pointbrush demo`."""
 
 
 @verb(

@@ -99,11 +99,6 @@ def option(default: Any, help_text: str, *, where: tuple[str, ...] = SERVERS, **
     return field(default=default, metadata={"definition": definition})
 
 
-def choice(default: Any, help_text: str, **more: Any) -> Any:
-    """Return the field of a dataclass of choices of one call; ``more``: as in ``option``."""
-    return option(default, help_text, where=(), **more)
-
-
 def values_of(kind: type, source: object) -> dict[str, Any]:
     """Return the fields of dataclass ``kind`` as ``source``'s attributes have them, by name."""
     return {each.name: getattr(source, each.name) for each in fields(kind)}

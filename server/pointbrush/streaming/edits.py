@@ -22,9 +22,9 @@ from pointbrush.streaming.hub import Hub
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.streaming.viewer import Viewer
 from pointbrush.system.resources import shortages_as_unavailable
+from pointbrush.values.runs import TrackingRequest
 from pointbrush.work.annotate.strokes import LiveStroke
 from pointbrush.work.objects.stroke import ObjectStroke
-from pointbrush.work.tracking.options import RunOptions
 
 Edit = (
     messages.StrokeBegin
@@ -278,15 +278,8 @@ class Editor:
 
     def _track(self, edit: messages.Track) -> None:
         viewer = self._viewer
-        self._hub.workspace.tracking.start(
-            viewer.require_room().id,
-            start=edit.start,
-            stop=edit.stop,
-            author=viewer.author,
-            labels=edit.labels,
-            edit=edit.id,
-            **RunOptions.of(edit),
-        )
+        room, body = viewer.require_room(), TrackingRequest.of(edit)
+        self._hub.workspace.tracking.start(room.id, body, viewer.author)
 
     # ── on the event loop ────────────────────────────────────────────────────────────────
 

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pointbrush.values.base import Body, Rule, Value, integral
+from pointbrush.values.base import Body, Meanings, Rule, Value, integral
 from pointbrush.values.kinds import Name, SequenceName, Uuid
 from pointbrush.values.recordings import Rate
 
 MOST_COLUMNS = 1024
 LARGEST_SCALE = 1e6
 ColumnName = Annotated[str, Rule(min_length=1, max_length=200)]
+ImportedBoxes = Annotated[
+    Literal["both", "keep", "points"],
+    Meanings(
+        {
+            "both": "keep boxes, and label the points inside",
+            "keep": "keep boxes",
+            "points": "label the points inside boxes",
+        }
+    ),
+]
 Text = Annotated[str, Rule(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
 
 
@@ -26,21 +36,23 @@ class ImportOptions(Body):
     format: str | None = None
     """Format of the files, such as ``ply``; null: detected."""
     columns: Annotated[tuple[ColumnName, ...], Rule(max_length=MOST_COLUMNS)] | None = None
-    """Meaning of each column of text files, ``-`` to skip one; also one text with commas."""
+    """Meanings of the columns in their order: x,y,z,intensity,red,green,blue,label,instance, or
+    ``-`` for a column to leave out; or pairs: ``scalar_Foo=label``; also one text with commas."""
     delimiter: str | None = None
-    """Separator of the columns: a name such as ``semicolon``, or one character."""
+    """Separator of the columns of text files: one character, or comma, semicolon, tab, space or
+    pipe."""
     decimal_comma: bool | None = None
-    """Numbers in text files have a decimal comma."""
+    """Numbers in text files have a decimal comma: 1,5 is one and a half."""
     scale: Annotated[float, Rule(gt=0, le=LARGEST_SCALE, allow_inf_nan=False)] | None = None
-    """Metres per unit of the coordinates."""
+    """Metres per unit of the files and their poses: 0.001 for millimetres; null: 1."""
     up: Annotated[str, Rule(pattern=r"^\+?(x|y|z|-x|-y|-z)$")] | None = None
-    """Axis of the coordinates that points up, such as ``z`` or ``-y``."""
+    """Axis of the coordinates that points up, such as ``z`` or ``-y`` (``--up=-y``)."""
     topic: Annotated[str, Rule(min_length=1, max_length=1000)] | None = None
-    """Topic of a bag to read."""
+    """Topic of a bag to read; ``topic#frame_id`` if sensors share a topic."""
     poses: Text | None = None
-    """``auto``, ``none``, or the path of a file of poses."""
+    """``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame."""
     by_order: bool = False
-    """Match files beside the frames by their order instead of their names."""
+    """Match poses with times, and colour images, to frames by their order."""
     drop_invalid: bool = False
     """Leave out points without finite coordinates instead of refusing the files."""
     project: SequenceName = "default"
@@ -66,14 +78,12 @@ class ImportRequest(ImportOptions):
     """Id of files that were uploaded for a preview; or ``path``."""
 
 
-@dataclass(frozen=True, slots=True)
-class LabelImportOptions(Body):
+@dataclass(frozen=True)
+class LabelOptions(Value):
     """Choices on how label files are read."""
 
     format: str | None = None
     """Format of the label files; null: detected."""
-    map: Annotated[str, Rule(max_length=1 << 20)] | None = None
-    """Names of classes as JSON, YAML, XML of point_labeler, or lines ``number name``."""
     no_ground: bool = False
     """Leave the ground inside boxes without the box's label."""
     by_order: bool = False
@@ -82,13 +92,21 @@ class LabelImportOptions(Body):
     """Accept files that label nothing."""
     field: Annotated[str, Rule(min_length=1, max_length=200)] | None = None
     """Field of the points that holds the labels; null: detected."""
-    boxes: str = "both"
-    """``keep`` boxes, label the ``points`` inside them, or ``both``."""
+    boxes: ImportedBoxes = "both"
+    """Result of imported boxes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelImportOptions(LabelOptions, Body):
+    """Label files to import as one edit."""
+
+    map: Annotated[str, Rule(max_length=1 << 20)] | None = None
+    """Names of classes as JSON, YAML, XML of point_labeler, or lines ``number name``."""
     id: Uuid | None = None
     """UUID of the job: a repeated call does not begin another job."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class LabelImportRequest(LabelImportOptions):
     """Label files that the server can already read."""
 

@@ -227,6 +227,7 @@ export interface TouchedPoints {
 /** Start a tracking run; the server sends its ``job`` messages. */
 export interface Track {
   method?: string;
+  /** `never`: unlabeled points only; `tracked`: also tracked and predicted points; `all`: also painted points */
   overwrite?: 'never' | 'tracked' | 'all';
   continue_lost?: boolean;
   until_painted?: boolean;

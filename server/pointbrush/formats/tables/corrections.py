@@ -1,7 +1,4 @@
-"""Corrections of the reading of a recording's files, given by the user.
-
-The flags of the command line and the options of REST and of import jobs derive from them.
-"""
+"""Corrections of the reading of a recording's files, given by the user."""
 
 from __future__ import annotations
 
@@ -13,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import AXES, DELIMITERS, POSES
-from pointbrush.settings.definitions import choice
 from pointbrush.values.imports import LARGEST_SCALE, MOST_COLUMNS
 
 if TYPE_CHECKING:
@@ -28,34 +24,19 @@ LEFT_OUT = "-"
 class Corrections:
     """Choices of the user for reading files; they take precedence over the files' own data.
 
-    Raises BadInputError for an invalid value.
+    The fields of ``ImportOptions`` describe them.  Raises BadInputError for an invalid value.
     """
 
-    format: str | None = choice(None, "file format (default: detected)")
-    columns: tuple[str, ...] = choice(
-        (),
-        "meanings of the columns in their order: x,y,z,intensity,red,green,blue,label,instance, or "
-        "'-' for a column to leave out; or pairs: scalar_Foo=label",
-    )
-    delimiter: str | None = choice(
-        None, f"delimiter of text files: a character, or {', '.join(DELIMITERS)}"
-    )
-    decimal_comma: bool | None = choice(None, "read 1,5 in text files as one and a half")
-    scale: float = choice(
-        1.0, "metres per unit of the files and their poses: 0.001 for millimetres (default: 1)"
-    )
-    up: str | None = choice(None, f"axis that points up, as in --up=-y: one of {', '.join(AXES)}")
-    """"--up -y" would be read as an option -y."""
-    topic: str | None = choice(None, "topic of a bag; topic#frame_id if sensors share a topic")
-    poses: str = choice(
-        "auto",
-        f"{', '.join(POSES)} (VIEWPOINT of PCD files), or a file of poses with one line per frame "
-        "(default: auto)",
-    )
-    by_order: bool = choice(
-        False, "match poses with times, and colour images, to frames by their order"
-    )
-    drop_invalid: bool = choice(False, "leave out points that are NaN or infinite")
+    format: str | None = None
+    columns: tuple[str, ...] = ()
+    delimiter: str | None = None
+    decimal_comma: bool | None = None
+    scale: float = 1.0
+    up: str | None = None
+    topic: str | None = None
+    poses: str = "auto"
+    by_order: bool = False
+    drop_invalid: bool = False
 
     def __post_init__(self) -> None:
         if len(self.columns) > MOST_COLUMNS or not all(

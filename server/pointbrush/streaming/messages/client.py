@@ -22,7 +22,7 @@ from pointbrush.streaming.messages.values import (
     Uuid,
     Vec3,
 )
-from pointbrush.work.tracking.options import RunOptions
+from pointbrush.values.runs import TrackingOptions
 
 
 class Hello(Message):
@@ -183,7 +183,7 @@ class Redo(Message):
     id: Uuid
 
 
-class Track(Message, RunOptions):
+class Track(Message, TrackingOptions):  # type: ignore[misc]
     """Start a tracking run; the server sends its ``job`` messages."""
 
     type: Literal["track"] = "track"
@@ -191,7 +191,7 @@ class Track(Message, RunOptions):
     labels: Annotated[list[LabelId], Field(max_length=65534)] | None = None
     start: FrameIndex
     stop: FrameIndex
-    method: Annotated[str, Field(max_length=64)] = RunOptions.method
+    method: Annotated[str, Field(max_length=64)] = TrackingOptions.method
 
 
 class ClientPresence(Message):

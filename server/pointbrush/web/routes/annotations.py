@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from fastapi import Depends, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -15,7 +15,12 @@ from pointbrush.settings.definitions import values_of
 from pointbrush.streaming.messages import Uuid
 from pointbrush.values.base import Patterns
 from pointbrush.values.edits import Edit
-from pointbrush.values.imports import LabelImportOptions, LabelImportRequest
+from pointbrush.values.imports import (
+    ImportedBoxes,
+    LabelImportOptions,
+    LabelImportRequest,
+    LabelOptions,
+)
 from pointbrush.values.jobs import Job
 from pointbrush.web import npy
 from pointbrush.web.context import SequenceId, Ws, body_within, one_of
@@ -33,7 +38,6 @@ from pointbrush.web.upload_files import (
     uploaded,
 )
 from pointbrush.work.annotate.layers import require_layer
-from pointbrush.work.imports.options import BOX_CHOICES, LabelOptions
 from pointbrush.workspace import Workspace
 
 router = resource("annotations")
@@ -41,7 +45,7 @@ MAX_FIELD = 1 << 20
 DryRun = Annotated[bool, Query(description="report the labels without writing anything")]
 
 
-PATTERNS = Patterns(format=one_of(LABEL_FORMATS), boxes=one_of(BOX_CHOICES))
+PATTERNS = Patterns(format=one_of(LABEL_FORMATS))
 JSON_BODY: Any = Annotated[LabelImportRequest, PATTERNS]
 FORM_BODY: Any = Annotated[LabelImportOptions, PATTERNS]
 IMPORT_BODY = described(
@@ -52,7 +56,7 @@ IMPORT_BODY = described(
         "by_order": {"type": "string", "enum": ["true", "false"]},
         "allow_empty": {"type": "string", "enum": ["true", "false"]},
         "field": {"type": "string", "maxLength": 200},
-        "boxes": {"type": "string", "enum": list(BOX_CHOICES)},
+        "boxes": {"type": "string", "enum": list(get_args(get_args(ImportedBoxes)[0]))},
         "id": {"type": "string", "format": "uuid"},
     },
 )

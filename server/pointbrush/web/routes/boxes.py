@@ -53,8 +53,7 @@ def fit_boxes(seq: SequenceId, body: BoxFit, response: Response, workspace: Ws, 
 
     The result of the job: ``edit``, ids of ``fitted`` boxes, and ``skipped`` labels with reasons.
     """
-    given = _without(body, "id")
-    job = workspace.fitting.fit(seq, author=who.author, edit=body.id, **given)
+    job = workspace.fitting.fit(seq, body, who.author)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return job
 

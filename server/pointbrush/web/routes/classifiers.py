@@ -32,7 +32,6 @@ from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
 from pointbrush.web.problems import BINARY
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs, needs_for_file
-from pointbrush.work.classifiers.options import ApplyOptions
 
 if TYPE_CHECKING:
     from pointbrush.work.classifiers.predicting import Prediction
@@ -264,7 +263,7 @@ def apply_classifier(
     seq: SequenceId, body: Application, response: Response, workspace: Ws, who: Caller
 ) -> Job:
     """Label the unlabelled points of frames in a job; one edit of provenance 4."""
-    job = workspace.predictions.start(seq, author=who.author, edit=body.id, **ApplyOptions.of(body))
+    job = workspace.predictions.start(seq, body, who.author)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return job
 

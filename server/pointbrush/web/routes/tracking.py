@@ -12,18 +12,11 @@ from pointbrush.tracking import METHODS
 from pointbrush.values.base import Patterns
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
-from pointbrush.values.tracking import (
-    Acceptance,
-    Clearing,
-    Copying,
-    Stretch,
-    Track,
-    TrackingRequest,
-)
+from pointbrush.values.runs import Acceptance, Clearing, Copying, Stretch, TrackingRequest
+from pointbrush.values.tracking import Track
 from pointbrush.web.context import FramePath, SequenceId, WholeSequence, Ws, one_of
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs
-from pointbrush.work.tracking.options import RunOptions
 
 router = resource("tracking")
 
@@ -37,15 +30,7 @@ def start_tracking(
     who: Caller,
 ) -> Job:
     """Carry labels from frame ``start`` to ``stop`` in a job; the run is one edit."""
-    job = workspace.tracking.start(
-        seq,
-        start=body.start,
-        stop=body.stop,
-        author=who.author,
-        labels=body.labels,
-        edit=body.id,
-        **RunOptions.of(body),
-    )
+    job = workspace.tracking.start(seq, body, who.author)
     response.headers["Location"] = f"/api/v1/jobs/{job.id}"
     return job
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -26,6 +26,7 @@ from pointbrush.labels import Commit, Label, LabelStore
 from pointbrush.labels.boxes.editing import BoxEdit
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
+from pointbrush.values.boxes import BoxFit
 from pointbrush.work.boxes import FIT
 from pointbrush.work.boxes.observing import observed
 from pointbrush.work.exporting import parse_frames
@@ -154,26 +155,14 @@ class Fitting(EditService[FitRequest]):
     kind = "fitting"
     request = FitRequest
 
-    def fit(
-        self,
-        sequence: str,
-        *,
-        author: str,
-        labels: Sequence[int] | None = None,
-        category: str | None = None,
-        frames: str | None = None,
-        redraw: bool = False,
-        edit: str | None = None,
-    ) -> Job:
-        """Fit boxes to labels in a job; it is one edit.
+    def fit(self, sequence: str, body: BoxFit, author: str) -> Job:
+        """Fit boxes in a job, or return the job that ``author`` started by this id.
 
-        ``frames``: "I:J", by default all.  ``edit``: id of the edit and the job; if ``author`` has
-        already started a job with this id, it is returned.  Raises NotFoundError (frame, label,
-        category), BadInputError (no frame).
+        Raises NotFoundError (frame, label, category), BadInputError (no frame).
         """
-        chosen = tuple(parse_frames(frames, len(self._recording(sequence))))
-        numbers = None if labels is None else tuple(labels)
-        return self.begin(sequence, FitRequest(chosen, numbers, category, redraw), author, edit)
+        frames = tuple(parse_frames(body.frames, len(self._recording(sequence))))
+        request = FitRequest(frames, body.labels, body.category, body.redraw)
+        return self.begin(sequence, request, author, body.id)
 
     def _prepare(self, request: FitRequest, job: Job) -> Submission:
         recording = self._recording(job.sequence or "")

@@ -25,13 +25,14 @@ from pointbrush.labels.types import FULL_CONFIDENCE, PREDICTED
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
+from pointbrush.values.classifiers import Application
 from pointbrush.work.annotate.layers import Packed
 from pointbrush.work.classifiers import PREDICT
 from pointbrush.work.classifiers.agreeing import average_chances, voter_of
 from pointbrush.work.classifiers.frames import example_frame, pieces
 from pointbrush.work.classifiers.ignoring import ignored_cells
 from pointbrush.work.classifiers.naming import label_of
-from pointbrush.work.classifiers.options import ApplyOptions, ClassifierOptions
+from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.job_request import JobRequest
@@ -121,7 +122,7 @@ class ApplyRequest(JobRequest):
 
     call = PREDICT
     frames: tuple[int, ...]
-    options: ApplyOptions
+    options: Application
 
 
 class Predictions(EditService[ApplyRequest]):
@@ -134,17 +135,15 @@ class Predictions(EditService[ApplyRequest]):
         super().__init__(context)
         self._classifiers = classifiers
 
-    def start(self, sequence: str, *, author: str, edit: str | None = None, **chosen: Any) -> Job:
-        """Label unlabeled points in frames of a recording with a job, as one edit.
+    def start(self, sequence: str, body: Application, author: str) -> Job:
+        """Label unlabeled points in a job, or return the job that ``author`` started by this id.
 
-        ``chosen``: fields of ``ApplyOptions``.  ``edit``: id of the edit and the job; if ``author``
-        has already started a job with this id, it is returned.  Raises NotFoundError (frame,
-        classifier), BadInputError (no examples, no frame).
+        Raises NotFoundError (frame, classifier), BadInputError (no examples, no frame).
         """
-        recording, options = self._recording(sequence), ApplyOptions(**chosen)
-        self._classifiers.about(options.classifier)
-        frames = tuple(parse_frames(options.frames or None, len(recording)))
-        return self.begin(sequence, ApplyRequest(frames, options), author, edit)
+        recording = self._recording(sequence)
+        self._classifiers.about(body.classifier)
+        frames = tuple(parse_frames(body.frames or None, len(recording)))
+        return self.begin(sequence, ApplyRequest(frames, body), author, body.id)
 
     def _prepare(self, request: ApplyRequest, job: Job) -> Submission:
         recording = self._recording(job.sequence or "")

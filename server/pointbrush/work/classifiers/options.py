@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field
 
 from pointbrush.classify.options import DoubtOptions, FeatureOptions, ForestOptions
-from pointbrush.errors import BadInputError
-from pointbrush.settings.definitions import choice
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,26 +36,3 @@ class ClassifierOptions:
     """Number of frames of a recording that are searched for uncertain places."""
     looked_recordings: int = 4
     """Number of recordings of a workspace that are searched for uncertain places."""
-
-
-@dataclass
-class ApplyOptions:
-    """Options for applying a classifier, with help texts.
-
-    Raises BadInputError.
-    """
-
-    classifier: str = choice("", "id of the classifier")
-    frames: str = choice("", "frames I:J (default: all)")
-    above: float | None = choice(
-        None, "minimum confidence of points to label, 0 to 1 (default: as measured)"
-    )
-
-    def __post_init__(self) -> None:
-        if self.above is not None and not 0 <= self.above <= 1:
-            raise BadInputError(f"above: expected a confidence from 0 to 1, got {self.above}")
-
-    @classmethod
-    def of(cls, source: object) -> dict[str, Any]:
-        """Return the options by name from attributes of ``source``."""
-        return {each.name: getattr(source, each.name) for each in fields(cls)}

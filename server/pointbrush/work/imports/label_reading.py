@@ -45,6 +45,7 @@ from pointbrush.labels.boxes.journal import MOST_BOXES
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
+from pointbrush.values.imports import LabelOptions
 from pointbrush.work.imports.choosing import require_few
 from pointbrush.work.imports.figures import figures_of
 from pointbrush.work.imports.frame_labels import (
@@ -55,7 +56,6 @@ from pointbrush.work.imports.frame_labels import (
 )
 from pointbrush.work.imports.mask_reading import read_mask_labels
 from pointbrush.work.imports.naming import Key, Naming, keys_of
-from pointbrush.work.imports.options import KEEP, POINTS, LabelOptions
 from pointbrush.work.imports.requests import LABELS
 from pointbrush.work.job_request import JobRequest
 
@@ -235,14 +235,14 @@ class ReadLabelsWork:
                 some = f" ({missed} of {len(file)} frames)" if missed < len(file) else ""
                 channel.item(Unmatched(path.name + some))
             channel.progress((done + 1) / len(files.paths), f"read {done + 1} label files")
-        if self.request.boxes != POINTS:
+        if self.request.boxes != "points":
             channel.item(_objects(kept, key_of))
 
     def _which(
         self, file: str, part: FrameBoxes, recording: Recording, frame: int, up: NDArray[np.float64]
     ) -> NDArray[np.int64]:
         """Return the figure (N,) of each point of a frame, -1 for none; boxes only if requested."""
-        if self.request.boxes == KEEP:
+        if self.request.boxes == "keep":
             marked = (each for each in part.boxes if isinstance(each, PointFigure))
             if not any(True for _ in marked):
                 return np.full(recording.manifest.points[frame], -1, np.int64)

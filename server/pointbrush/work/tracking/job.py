@@ -25,9 +25,9 @@ from pointbrush.tracking import (
     TrackState,
 )
 from pointbrush.tracking.permissions import FEWEST
+from pointbrush.values.runs import TrackingOptions
 from pointbrush.work.loops.compiling import Progress, StepName
 from pointbrush.work.prepare import ensure_compiled
-from pointbrush.work.tracking.options import RunOptions
 from pointbrush.work.tracking.sensor import sensor_of
 
 LOOPS: tuple[StepName, ...] = ("things",)
@@ -50,7 +50,7 @@ class TrackingWork:
     start: int
     stop: int
     seeds: tuple[Seed, ...]
-    chosen: RunOptions
+    chosen: TrackingOptions
     locked: frozenset[int]
 
     def __call__(self, channel: Channel) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +11,13 @@ from pointbrush.database.job import Job
 from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.tracking import FrameResult
+from pointbrush.values.runs import TrackingOptions, TrackingRequest
 from pointbrush.work.events import Provisional, Retracted
 from pointbrush.work.job_request import JobRequest
 from pointbrush.work.job_service import EditService, JobContext, Submission
 from pointbrush.work.tracking import TRACK
 from pointbrush.work.tracking import job as tracking
 from pointbrush.work.tracking.job import doubtful
-from pointbrush.work.tracking.options import RunOptions
 
 if TYPE_CHECKING:
     from typing import Self
@@ -36,7 +36,7 @@ class TrackRequest(JobRequest):
     start: int
     stop: int
     labels: tuple[int, ...] | None
-    options: RunOptions
+    options: TrackingOptions
 
     @classmethod
     def of_json(cls, kept: Mapping[str, Any]) -> Self:
@@ -63,25 +63,10 @@ class Runs(EditService[TrackRequest]):
         """Mark a run so that its results are committed even if it is cancelled."""
         self._kept.add(job_id)
 
-    def start(
-        self,
-        sequence: str,
-        *,
-        start: int,
-        stop: int,
-        author: str,
-        labels: Sequence[int] | None = None,
-        edit: str | None = None,
-        **chosen: Any,
-    ) -> Job:
-        """Track labels from frame ``start`` to ``stop`` (included; either direction), in a job.
-
-        ``chosen``: fields of ``RunOptions``.  ``edit``: id of the edit and the job; if ``author``
-        has already started a job with this id, it is returned.
-        """
-        chosen_labels = None if labels is None else tuple(labels)
-        request = TrackRequest(start, stop, chosen_labels, RunOptions(**chosen))
-        return self.begin(sequence, request, author, edit)
+    def start(self, sequence: str, body: TrackingRequest, author: str) -> Job:
+        """Track labels in a job, or return the job that ``author`` started by this id."""
+        request = TrackRequest(body.start, body.stop, body.labels, TrackingOptions.of(body))
+        return self.begin(sequence, request, author, body.id)
 
     def _prepare(self, request: TrackRequest, job: Job) -> Submission:
         recording = self._recording(job.sequence or "")
