@@ -13,21 +13,17 @@ import pytest
 from fastapi import FastAPI
 from fastapi.routing import APIRoute
 
-from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.settings import Settings
 from pointbrush.values import labels
 from pointbrush.values.base import UNSET, Value
 from pointbrush.values.classes import value_classes
 from pointbrush.values.team import projects
 from pointbrush.web.app import create_app
-from pointbrush.web.routes.headset_checks import KeptHeadsetReport
 from pointbrush.web.strokes import FloorBody, ObjectBody, StrokeBody
 from pointbrush.workspace import Workspace
 
 OF_MESSAGES = (StrokeBody, FloorBody, ObjectBody)
 """Bodies with samples of a stroke extend messages of the socket, which are defined there."""
-OF_REPORTS = (HeadsetReport, KeptHeadsetReport)
-"""The report of a headset check is a file, which other programs read by its own definition."""
 
 
 DIFFERENT = (("ClassAgreement", "LabelAgreement"), ("ClassFigures", "PersonFigures"))
@@ -58,7 +54,7 @@ def test_each_body_and_answer_is_a_value(app: FastAPI) -> None:
             for each in (route.response_model, *bodies):
                 found |= set(kinds(each))
     classes = {kind for kind in found if kind.__module__.startswith("pointbrush.")}
-    strange = [kind for kind in classes if not issubclass(kind, (Value, *OF_MESSAGES, *OF_REPORTS))]
+    strange = [kind for kind in classes if not issubclass(kind, (Value, *OF_MESSAGES))]
     assert len(classes) > 60
     assert strange == []
 
@@ -102,7 +98,7 @@ def test_no_two_values_share_their_fields_without_containing_each_other() -> Non
 
 
 def test_a_change_tells_an_absent_field_from_null() -> None:
-    assert projects.ProjectPatch().given() == {}
-    assert projects.ProjectPatch(categories=None).given() == {"categories": None}
+    assert projects.ProjectPatch().to_json() == {}
+    assert projects.ProjectPatch(categories=None).to_json() == {"categories": None}
     assert projects.ProjectPatch().categories is UNSET
-    assert labels.LabelPatch(locked=False).given() == {"locked": False}
+    assert labels.LabelPatch(locked=False).to_json() == {"locked": False}

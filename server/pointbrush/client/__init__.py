@@ -22,7 +22,7 @@ from pointbrush.client.boxes import Box, Boxes
 from pointbrush.client.classifiers import ByExample, Classifiers, Prediction
 from pointbrush.client.connection import AsyncClient, Client
 from pointbrush.client.frame import Frame, Frames
-from pointbrush.client.headset_reports import HeadsetReport, HeadsetReports
+from pointbrush.client.headset_reports import HeadsetReports
 from pointbrush.client.projects import Project, Projects
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import Review
@@ -33,6 +33,7 @@ from pointbrush.values.classifiers import Classifier, HeldOut, Place
 from pointbrush.values.edits import Edit, PastEdit
 from pointbrush.values.exports import ExportFormat
 from pointbrush.values.frames import Camera
+from pointbrush.values.headset_checks import HeadsetReport, HeadsetReportFile
 from pointbrush.values.imports import Entry, ImportPreview
 from pointbrush.values.jobs import Job
 from pointbrush.values.labels import Label
@@ -101,6 +102,7 @@ __all__ = [
     "FrameDifference",
     "Frames",
     "HeadsetReport",
+    "HeadsetReportFile",
     "HeadsetReports",
     "HeldOut",
     "ImportPreview",

@@ -53,7 +53,7 @@ class Boxes(Part[L]):
             label, (length, width, height), placed, dict(attributes or {}), provenance,
             heading_known,
         )  # fmt: skip
-        return self._edited("POST", "", new.given())
+        return self._edited("POST", "", new.to_json())
 
     @steps
     def change(

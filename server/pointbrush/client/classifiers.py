@@ -120,7 +120,7 @@ class ByExample(Part[L]):
         ``labels``: predict only these, by id.  ``place`` (3,): predict only near it, source
         metres; a frame of many millions of points needs a place.
         """
-        body = PredictionRequest(classifier, tuple_of(labels), vector(place)).given()
+        body = PredictionRequest(classifier, tuple_of(labels), vector(place)).to_json()
         path = f"/frames/{frame}/prediction"
         return _prediction((yield from self._call("POST", path, json=body, idempotent=True)))
 
@@ -167,7 +167,7 @@ class ByExample(Part[L]):
         self, classifier: str, place: Place, *, label: int | None = None, skip: bool = False
     ) -> Steps[httpx.Response]:
         about = DoubtPlace(place.frame, place.centre, place.radius)
-        body = DoubtAnswer(classifier, about, label, skip).given()
+        body = DoubtAnswer(classifier, about, label, skip).to_json()
         return self._call("POST", "/doubt/answers", json=body)
 
     @steps
@@ -202,7 +202,7 @@ class ByExample(Part[L]):
         self, classifier: str, frames: str, above: float | None, patience: float
     ) -> Steps[Job]:
         job = str(uuid.uuid4())
-        body = Application(classifier, frames, above, job).given()
+        body = Application(classifier, frames, above, job).to_json()
         place = f"{self._place}/predictions"
         return started(job, Request("POST", place, {"json": body}, patience=patience))
 

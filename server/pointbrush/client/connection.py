@@ -250,7 +250,7 @@ class Server(Part[L]):
         new name.  Raises ConflictError for a change of a number's meaning.
         """
         every = None if attributes is None else tuple(attributes)
-        body = TaxonomyChange(tuple(categories), every).given()
+        body = TaxonomyChange(tuple(categories), every).to_json()
         yield from self._call("PUT", "/taxonomy", json=body, idempotent=True)
 
     @steps

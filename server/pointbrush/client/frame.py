@@ -124,7 +124,7 @@ class Frame(Part[L]):
             tuple((float(u), float(v)) for u, v in np.reshape(each, (-1, 2)))
             for each in (positives, negatives)
         )
-        body = MaskPrompt(model, ons, offs, text, label, str(uuid.uuid4())).given()
+        body = MaskPrompt(model, ons, offs, text, label, str(uuid.uuid4())).to_json()
         place = f"/masks/{quote(camera, safe='')}/predict"
         answer = yield from self._call("POST", place, json=body, idempotent=True)
         return read(MaskEdit, answer.json())
@@ -213,7 +213,7 @@ class Frame(Part[L]):
     @steps
     def copy_labels(self, source: int, labels: Sequence[int]) -> Steps[Edit]:
         """Copy ``labels`` from the points at the same place in frame ``source``."""
-        return self._edit("/copy", Copying(tuple(labels), source).given())
+        return self._edit("/copy", Copying(tuple(labels), source).to_json())
 
     @steps
     def clear(self, labels: Sequence[int], stop: int | None = None) -> Steps[Edit]:
@@ -221,7 +221,7 @@ class Frame(Part[L]):
 
         Painted points lose the labels as well; ``recording.clear`` clears only tracked points.
         """
-        return self._edit("/clear", Clearing(tuple(labels), stop).given())
+        return self._edit("/clear", Clearing(tuple(labels), stop).to_json())
 
 
 class Frames(Part[L], Sequence[Frame[L]]):

@@ -3,21 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from datetime import datetime
 from typing import Any
 
 from pointbrush.client.steps import L, Part, Steps, steps
-
-
-@dataclass(frozen=True, slots=True)
-class HeadsetReport:
-    """A report, the account that sent it, and the time at which it arrived."""
-
-    id: str
-    account: str
-    received: datetime
-    report: dict[str, Any]
+from pointbrush.values.headset_checks import HeadsetReport, HeadsetReportFile, NewHeadsetReport
 
 
 class HeadsetReports(Part[L]):
@@ -29,7 +18,8 @@ class HeadsetReports(Part[L]):
         return self._get(list[HeadsetReport], "/headset-reports")
 
     @steps
-    def add(self, report: Mapping[str, Any]) -> Steps[str]:
+    def add(self, report: HeadsetReportFile | Mapping[str, Any]) -> Steps[str]:
         """Store a report as ``/check-headset`` writes it, and return its id."""
-        answer = yield from self._call("POST", "/headset-reports", json=dict(report))
-        return str(answer.json()["id"])
+        path = "/headset-reports"
+        made = yield from self._change(NewHeadsetReport, "POST", path, report, idempotent=False)
+        return made.id

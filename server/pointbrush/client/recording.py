@@ -183,7 +183,7 @@ class Recording(Part[L]):
     def accept(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
         """Mark tracked points of labels in frames ``start`` to ``stop`` as painted."""
         body = Stretch(labels=tuple(labels), start=start, stop=stop)
-        return self._edit("/accept", body.given())
+        return self._edit("/accept", body.to_json())
 
     @steps
     def clear(self, labels: Sequence[int], start: int, stop: int) -> Steps[Edit]:
@@ -192,7 +192,7 @@ class Recording(Part[L]):
         ``frames[i].clear`` removes the labels from painted points as well.
         """
         body = Stretch(labels=tuple(labels), start=start, stop=stop)
-        return self._edit("/clear", body.given())
+        return self._edit("/clear", body.to_json())
 
     # ── tracking ─────────────────────────────────────────────────────────────────────────
 
@@ -233,7 +233,7 @@ class Recording(Part[L]):
 
     def _start(self, path: str, body: Body, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
-        request = {"json": {"id": job, **body.given()}}
+        request = {"json": {"id": job, **body.to_json()}}
         return started(job, Request("POST", self._place + path, request, patience=patience))
 
     @steps
@@ -246,7 +246,7 @@ class Recording(Part[L]):
     @steps
     def find_people(self, frames: Sequence[int] | None = None) -> Steps[FoundPeople]:
         """Return the people in colour pictures of frames (None: all); nothing is changed."""
-        body = PeopleSearch(tuple_of(frames)).given()
+        body = PeopleSearch(tuple_of(frames)).to_json()
         answer = yield from self._call("POST", "/people", json=body, idempotent=True)
         return read(FoundPeople, answer.json())
 
@@ -272,7 +272,7 @@ class Recording(Part[L]):
 
     def _people(self, frames: Sequence[int] | None, patience: float) -> Steps[Job]:
         job = str(uuid.uuid4())
-        body = {"json": PeopleSearch(tuple_of(frames), True, job).given()}
+        body = {"json": PeopleSearch(tuple_of(frames), True, job).to_json()}
         return started(job, Request("POST", f"{self._place}/people", body, patience=patience))
 
     # ── boxes ────────────────────────────────────────────────────────────────────────────

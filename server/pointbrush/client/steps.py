@@ -236,7 +236,7 @@ class Part(Generic[L]):
         **query: Any,
     ) -> Steps[T]:
         """Make a call with a body as JSON, and return the answer as a value of ``kind``."""
-        given = body.given() if isinstance(body, Body) else body
+        given = body.to_json() if isinstance(body, Body) else body
         answer = yield from self._call(
             method, path, params=query, idempotent=idempotent, json=given
         )

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, get_args
 
-from pointbrush.headset_report.model import (
+from pointbrush.names import spelled_out
+from pointbrush.values.headset_checks import (
     HeadsetInput,
     HeadsetLayer,
     HeadsetPictures,
-    HeadsetReport,
+    HeadsetReportFile,
     HeadsetSession,
     Verdict,
 )
-from pointbrush.names import spelled_out
 
 FEWEST_PICTURES = 60
 """Minimum number of pictures to judge their times."""
@@ -42,7 +42,7 @@ class Line(NamedTuple):
     detail: str
 
 
-def report_lines(report: HeadsetReport) -> list[str]:
+def report_lines(report: HeadsetReportFile) -> list[str]:
     """Return a report as lines of text, with totals in the last line."""
     lines = list(findings(report))
     count = Counter(line.verdict for line in lines)
@@ -58,7 +58,7 @@ def report_lines(report: HeadsetReport) -> list[str]:
     ]
 
 
-def findings(report: HeadsetReport) -> Iterator[Line]:
+def findings(report: HeadsetReportFile) -> Iterator[Line]:
     """Yield the verdict on each feature of a report."""
     yield _session(report)
     if report.session:
@@ -71,7 +71,7 @@ def findings(report: HeadsetReport) -> Iterator[Line]:
         yield Line(task.verdict, TASKS[task.name], detail)
 
 
-def _session(report: HeadsetReport) -> Line:
+def _session(report: HeadsetReportFile) -> Line:
     if report.session:
         return Line("works", "session", f"{report.session.mode}, {report.session.blend}")
     return Line("fails" if report.trouble else "unknown", "session", report.trouble)
@@ -129,5 +129,5 @@ def _is(true: bool) -> Verdict:
     return "works" if true else "fails"
 
 
-def _numbers(values: list[int]) -> str:
+def _numbers(values: Sequence[int]) -> str:
     return " ".join(map(str, values)) or "none"

@@ -1,4 +1,4 @@
-"""Write the page's types of messages, reports and values of REST from their definitions.
+"""Write the page's types of messages and values of REST from their definitions.
 
 ``python -m pointbrush.streaming.typescript --write`` writes ``messages.ts`` and ``values.ts`` in
 ``webxr_client/src/protocol``; ``--check`` fails when one is stale.
@@ -15,7 +15,6 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from pointbrush.headset_report.model import HeadsetReport
 from pointbrush.streaming.schema import client_schema, schema_hash, server_schema
 from pointbrush.values.base import Body
 from pointbrush.values.classes import value_classes
@@ -69,10 +68,10 @@ def values(names: Set[str]) -> str:
 
 
 def messages() -> str:
-    """Return the types of messages and reports."""
-    client, server, report = client_schema(), server_schema(), HeadsetReport.model_json_schema()
+    """Return the types of messages."""
+    client, server = client_schema(), server_schema()
     parts = [
-        "// Generated from streaming/messages/ and headset_report/ of server/pointbrush by\n"
+        "// Generated from streaming/messages/ of server/pointbrush by\n"
         f"// `{WRITE}`.\n"
         "// Do not edit: a stale file fails the tests.\n",
         f"export const SCHEMA_HASH = '{schema_hash()}';\n"
@@ -84,8 +83,6 @@ def messages() -> str:
             if name not in written:
                 parts.append(interface(name, definition, complete=complete))
                 written.add(name)
-    for name, definition in sorted((report["$defs"] | {"HeadsetReport": report}).items()):
-        parts.append(interface(name, definition, complete=True))
     parts.append(union("ClientMessage", client))
     parts.append(union("ServerMessage", server))
     return "\n".join(parts)

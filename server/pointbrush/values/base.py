@@ -155,7 +155,7 @@ class Body(Value):
         """Return a body as JSON has it, in the form that is validated."""
         return integral(value)
 
-    def given(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Any]:
         """Return the fields that differ from their defaults, as JSON has them."""
         values = asdict(self)  # type: ignore[call-overload]
         return {

@@ -1,5 +1,5 @@
 /** Input sources of a checked session: their kinds, and the buttons that were pressed. */
-import type { HeadsetInput } from '../protocol/messages';
+import type { HeadsetInput } from '../protocol/values';
 import { pulsesBy } from '../xr/input/haptics';
 import { buttonValue } from '../xr/input/kind';
 import { kindOf } from '../xr/input/kinds';

@@ -1,5 +1,5 @@
 /** Times between pictures while the recording plays. */
-import type { HeadsetPictures } from '../protocol/messages';
+import type { HeadsetPictures } from '../protocol/values';
 import { rateOf } from '../xr/refresh';
 
 /** Pictures that are timed. */

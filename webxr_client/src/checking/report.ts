@@ -2,7 +2,7 @@
 import { attempt } from '../engine/recordings/recordings';
 import { saveFile } from '../net/files';
 import { api } from '../net/rest';
-import type { HeadsetReport } from '../protocol/messages';
+import type { HeadsetReportFile } from '../protocol/values';
 import { canEdit, notify, state } from '../store/state';
 import type { Lesson } from '../xr/input/lessons';
 import type { Findings } from './round';
@@ -13,7 +13,7 @@ const LESSONS = new Map<string, Lesson>(
   TASKS.flatMap(({ name, lesson }) => (lesson ? [[name, lesson]] : [])),
 );
 
-export function reportOf({ session, inputs, pictures, buttons }: Findings): HeadsetReport {
+export function reportOf({ session, inputs, pictures, buttons }: Findings): HeadsetReportFile {
   const { detail, session: running } = state.xr.peek();
   const tasks = TASKS.map(({ name }) => {
     const lesson = LESSONS.get(name);

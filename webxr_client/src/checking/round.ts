@@ -1,7 +1,7 @@
 /** One session of a checked headset: records its events, and ticks finished tasks. */
 import { actions, bindActions } from '../store/actions';
 import type { Engine } from '../engine/engine';
-import type { HeadsetPictures, HeadsetSession } from '../protocol/messages';
+import type { HeadsetPictures, HeadsetSession } from '../protocol/values';
 import { state } from '../store/state';
 import { peek, watch } from '../store/watch';
 import type { Cockpit } from '../xr/cockpit';

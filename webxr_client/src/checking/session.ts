@@ -1,6 +1,6 @@
 /** Facts of a session as it began: features, reference spaces, the layer that is drawn into. */
 import type { Viewer } from '../cloud/picture/viewer';
-import type { HeadsetLayer, HeadsetSession, HeadsetSpace } from '../protocol/messages';
+import type { HeadsetLayer, HeadsetSession, HeadsetSpace } from '../protocol/values';
 import { wanted } from '../xr/headset';
 
 const SPACES = ['viewer', 'local', 'local-floor', 'bounded-floor', 'unbounded'] as const;

@@ -1,6 +1,6 @@
 /** Tasks in a checked headset: their texts and results. */
 import { computed, signal } from '@preact/signals';
-import type { HeadsetTask } from '../protocol/messages';
+import type { HeadsetTask } from '../protocol/values';
 import type { Lesson } from '../xr/input/lessons';
 
 export type TaskName = HeadsetTask['name'];

@@ -428,6 +428,157 @@ export interface FrameDifference {
   readonly objects_went: readonly number[];
 }
 
+/** A requested feature; ``granted`` is null if the browser does not report it. */
+export interface HeadsetFeature {
+  /** Name of the WebXR feature. */
+  readonly name: string;
+  /** The session has it; null: the browser does not report it. */
+  readonly granted: boolean | null;
+}
+
+/**
+ * An input source and its observed properties.
+ *
+ * ``kind`` and ``layout`` are the page's classification, empty if unknown; ``pressed`` and
+ * ``leaned`` are numbers of used buttons and axes; ``joints`` is null without a hand.
+ */
+export interface HeadsetInput {
+  /** Hand of the source: `left`, `right` or `none`. */
+  readonly side: 'left' | 'right' | 'none';
+  /** WebXR target ray mode. */
+  readonly mode: string;
+  /** WebXR input profiles, the most specific first. */
+  readonly profiles: readonly string[];
+  /** Classification by the page; empty: unknown. */
+  readonly kind: string;
+  /** Layout of its buttons by the page; empty: unknown. */
+  readonly layout: string;
+  /** Number of its buttons. */
+  readonly buttons: number;
+  /** Number of its axes. */
+  readonly axes: number;
+  /** Numbers of the buttons that were pressed. */
+  readonly pressed: readonly number[];
+  /** Numbers of the axes that were moved. */
+  readonly leaned: readonly number[];
+  /** Number of tracked joints; null: no hand. */
+  readonly joints: number | null;
+  /** Interface for vibration: `hapticActuators`, `vibrationActuator` or `none`. */
+  readonly pulses: 'hapticActuators' | 'vibrationActuator' | 'none';
+}
+
+/** The layer to draw to; ``foveation`` is null if the browser has none. */
+export interface HeadsetLayer {
+  /** Layer to draw to: `projection` or `webgl`. */
+  readonly kind: 'projection' | 'webgl';
+  /** Width of its texture, pixels. */
+  readonly width: number;
+  /** Height of its texture, pixels. */
+  readonly height: number;
+  /** Number of views. */
+  readonly views: number;
+  /** Fixed foveation, 0 to 1; null: the browser has none. */
+  readonly foveation: number | null;
+  /** Distance of the near plane, metres. */
+  readonly depth_near: number;
+  /** Distance of the far plane, metres. */
+  readonly depth_far: number;
+}
+
+/**
+ * Times between pictures while the recording played.
+ *
+ * ``told`` is the display rate reported by the browser, ``offered`` the available rates, ``found``
+ * the measured rate; a picture is ``late`` if it misses a refresh at the reported rate, or else
+ * the measured one.
+ */
+export interface HeadsetPictures {
+  /** Display rate that the browser reports, hertz; null: none. */
+  readonly told: number | null;
+  /** Display rates that the browser offers, hertz. */
+  readonly offered: readonly number[];
+  /** Measured display rate, hertz. */
+  readonly found: number;
+  /** Number of pictures. */
+  readonly count: number;
+  /** Median time between pictures, milliseconds. */
+  readonly median_ms: number;
+  /** Time between pictures that 95 % stay below, milliseconds. */
+  readonly p95_ms: number;
+  /** Number of pictures that missed a refresh. */
+  readonly late: number;
+}
+
+/** A report, the account that sent it, and the time at which it arrived. */
+export interface HeadsetReport {
+  /** Id of the report. */
+  readonly id: string;
+  /** Account that sent it. */
+  readonly account: string;
+  /** Time at which it arrived. */
+  readonly received: string;
+  /** The report, as the page made it. */
+  readonly report: HeadsetReportFile;
+}
+
+/** The whole file; ``trouble``: why no session started; ``session``: null without a session. */
+export interface HeadsetReportFile {
+  /** Kind of the file: `pointbrush headset report`. */
+  readonly format: 'pointbrush headset report';
+  /** Version of the format. */
+  readonly version: 1;
+  /** Time of the report, ISO 8601. */
+  readonly made: string;
+  /** Version of pointbrush. */
+  readonly pointbrush: string;
+  /** User agent of the browser. */
+  readonly browser: string;
+  /** Reason why no session started; empty: one started. */
+  readonly trouble: string;
+  /** Initial state of the session; null: none. */
+  readonly session: HeadsetSession | null;
+  /** Input sources. */
+  readonly inputs: readonly HeadsetInput[];
+  /** Times between pictures; null: not measured. */
+  readonly pictures: HeadsetPictures | null;
+  /** Tasks and their outcomes. */
+  readonly tasks: readonly HeadsetTask[];
+}
+
+/** The initial state of a session; ``floor``: its space has the height of the floor. */
+export interface HeadsetSession {
+  /** WebXR session mode. */
+  readonly mode: string;
+  /** Environment blend mode. */
+  readonly blend: string;
+  /** The space has the height of the floor. */
+  readonly floor: boolean;
+  /** Requested features. */
+  readonly features: readonly HeadsetFeature[];
+  /** Reference spaces. */
+  readonly spaces: readonly HeadsetSpace[];
+  /** Layer to draw to. */
+  readonly layer: HeadsetLayer;
+}
+
+/** A reference space, and whether the session provides it. */
+export interface HeadsetSpace {
+  /** Type of the WebXR reference space. */
+  readonly name: string;
+  /** The session provides it. */
+  readonly given: boolean;
+}
+
+/** A task; ``by_buttons``: it was done by a button or pad of a controller, not a panel. */
+export interface HeadsetTask {
+  /** Tried action: `play`, `felt` a vibration, `paint`, `erase`, choose a `label`, `undo`, `step` a frame, or `go` somewhere. */
+  readonly name: 'play' | 'felt' | 'paint' | 'erase' | 'label' | 'undo' | 'step' | 'go';
+  /** Outcome: `works`, `fails` or `unknown`. */
+  readonly verdict: 'works' | 'fails' | 'unknown';
+  /** It was done by a button or pad of a controller, not a panel. */
+  readonly by_buttons: boolean;
+}
+
 /** Accuracy of a class in places that the training did not see. */
 export interface HeldOut {
   /** Expected share of correct points, 0 to 1; null: too few places. */

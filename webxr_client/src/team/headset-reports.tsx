@@ -5,18 +5,10 @@ import { attempt } from '../engine/recordings/recordings';
 import { saveFile } from '../net/files';
 import { api } from '../net/rest';
 import { Button } from '../panels/parts/controls';
-import type { HeadsetReport } from '../protocol/messages';
-
-interface KeptReport {
-  readonly id: string;
-  readonly account: string;
-  /** ISO 8601. */
-  readonly received: string;
-  readonly report: HeadsetReport;
-}
+import type { HeadsetReport } from '../protocol/values';
 
 export function HeadsetReports() {
-  const [reports, setReports] = useState<readonly KeptReport[]>([]);
+  const [reports, setReports] = useState<readonly HeadsetReport[]>([]);
   useEffect(() => {
     void attempt('The headset reports did not load', async () =>
       setReports(await api('GET', 'headset-reports')),
@@ -35,7 +27,7 @@ export function HeadsetReports() {
   );
 }
 
-function Row({ of: { account, received, report } }: { of: KeptReport }) {
+function Row({ of: { account, received, report } }: { of: HeadsetReport }) {
   const works = report.tasks.filter(({ verdict }) => verdict === 'works').length;
   return (
     <li class="line">

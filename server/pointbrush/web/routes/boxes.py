@@ -109,5 +109,5 @@ def _without(body: Body, name: str) -> dict[str, Any]:
 
 def _change(body: BoxPatch) -> dict[str, Any]:
     """Return the fields to change, without nulls that remove nothing."""
-    poses = {frame: pose and pose.given() for frame, pose in body.poses.items()}
-    return replace(body, edit=None).given() | {"poses": poses}
+    poses = {frame: pose and pose.to_json() for frame, pose in body.poses.items()}
+    return replace(body, edit=None).to_json() | {"poses": poses}

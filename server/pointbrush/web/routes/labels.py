@@ -82,7 +82,7 @@ def update_label(
     edit: EditId = None,
 ) -> Label:
     """Rename, recolour, recategorise, lock or hide a label."""
-    if not (fields := body.given()):
+    if not (fields := body.to_json()):
         return workspace.labels.label(seq, id)
     return workspace.labels.update_label(seq, who.author, id, edit_id=edit, **fields)
 

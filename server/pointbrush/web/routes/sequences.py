@@ -109,7 +109,7 @@ def get_sequence(seq: SequenceId, workspace: Ws) -> Manifest:
 @router.patch("/sequences/{seq}", **needs("manager", 404, 409, 413))
 def patch_sequence(seq: SequenceId, patch: RecordingPatch, workspace: Ws) -> Manifest:
     """Change the name, the rate or the floor transform of a recording."""
-    fields = patch.given()
+    fields = patch.to_json()
     if patch.room is not None:
         fields["room"] = np.array(patch.room).reshape(4, 4)
     if fields:
