@@ -31,7 +31,8 @@ from pointbrush.database.statements import Statement, driver_of, upsert
 from pointbrush.database.statements import insert as insert_new
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.names import require_visible
-from pointbrush.values.team.accounts import LONGEST_NAME
+from pointbrush.values.kinds import time_of
+from pointbrush.values.team.accounts import LONGEST_NAME, AccountToken
 
 OWNER = "owner"
 """The account of scripts that send the server's own token."""
@@ -103,25 +104,6 @@ def require_token_name(name: str) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
-    """Record of a token; times are seconds since the epoch, None: never."""
-
-    id: str
-    role: Role
-    name: str
-    created: float
-    expires: float | None
-    revoked: float | None
-    account: str
-    """Account id of the author of its edits."""
-
-    @property
-    def valid(self) -> bool:
-        """Return whether it gives access now."""
-        return self.revoked is None and (self.expires is None or time.time() < self.expires)
-
-
 class Tokens:
     """The tokens of one database."""
 
@@ -169,7 +151,7 @@ class Tokens:
 
         return write_once(self._database, make, find)
 
-    def of_person(self, subject: str, names: Iterable[str], role: Role) -> Token:
+    def of_person(self, subject: str, names: Iterable[str], role: Role) -> AccountToken:
         """Return the token of a person of an identity provider; create it at the first sign-in.
 
         It has no secret.  ``subject`` identifies the person; their account is the first of
@@ -190,20 +172,20 @@ class Tokens:
             connection.execute(new, row | {"name": name, "account": name})
             return token_of(connection.execute(query).one())
 
-    def put_role(self, token_id: str, role: Role) -> Token:
+    def put_role(self, token_id: str, role: Role) -> AccountToken:
         """Change the role of a token and of its current sign-ins."""
         is_token = tokens.c.id == token_id
         with self._database.write() as connection:
             connection.execute(update(tokens).where(is_token).values(role=role))
             return token_of(connection.execute(select(tokens).where(is_token)).one())
 
-    def list(self) -> list[Token]:
+    def list(self) -> list[AccountToken]:
         """Return all tokens, oldest first, including revoked and expired ones."""
         with self._database.read() as connection:
             rows = connection.execute(select(tokens).order_by(tokens.c.created)).all()
         return [token_of(row) for row in rows]
 
-    def revoke(self, token_id: str) -> Token:
+    def revoke(self, token_id: str) -> AccountToken:
         """End a token's validity now; raises NotFoundError for an unknown id."""
         with self._database.write() as connection:
             is_token = tokens.c.id == token_id
@@ -214,7 +196,7 @@ class Tokens:
                 connection.execute(update(tokens).where(is_token).values(revoked=time.time()))
             return token_of(connection.execute(select(tokens).where(is_token)).one())
 
-    def check(self, secret: str) -> Token | None:
+    def check(self, secret: str) -> AccountToken | None:
         """Return the valid token with this secret, or None."""
         digest = digest_of(secret)
         row = self._database.look(_OF_DIGEST, {"digest": digest})
@@ -234,9 +216,11 @@ def digest_of(secret: str) -> str:
     return hashlib.sha256(secret.encode("utf-8", "surrogateescape")).hexdigest()
 
 
-def token_of(row: Row[Any]) -> Token:
-    """Build a token from its row."""
-    return Token(row.id, row.role, row.name, row.created, row.expires, row.revoked, row.account)
+def token_of(row: Row[Any]) -> AccountToken:
+    """Return the token of a row, as it is now."""
+    valid = row.revoked is None and (row.expires is None or time.time() < row.expires)
+    times = {name: time_of(getattr(row, name)) for name in ("created", "expires", "revoked")}
+    return AccountToken.of(row, **times, valid=valid)
 
 
 def _free(names: Iterable[str], number: str, taken: Container[str]) -> Iterator[str]:
@@ -258,7 +242,7 @@ class SignIn:
     """
 
     account: str
-    token: Token | None
+    token: AccountToken | None
     owner: str
 
 

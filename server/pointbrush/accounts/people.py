@@ -3,30 +3,14 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 
-from pointbrush.accounts.accounts import Token, Tokens
+from pointbrush.accounts.accounts import Tokens
 from pointbrush.accounts.roles import ROLES, Role, require
 from pointbrush.errors import NotFoundError
+from pointbrush.values.team.accounts import Account, NewToken, Token
 
 DAY = 86_400.0
 """Seconds."""
-
-
-@dataclass(frozen=True, slots=True)
-class Account:
-    """An account with its tokens, oldest first.
-
-    ``role`` is the highest role of its valid tokens, None if it has none.
-    """
-
-    account: str
-    tokens: tuple[Token, ...]
-
-    @property
-    def role(self) -> Role | None:
-        """Return the current role."""
-        return max((t.role for t in self.tokens if t.valid), key=ROLES.index, default=None)
 
 
 class People:
@@ -43,7 +27,7 @@ class People:
         found: dict[str, list[Token]] = {}
         for token in self._tokens.list():
             found.setdefault(token.account, []).append(token)
-        return [Account(name, tuple(found[name])) for name in sorted(found, key=str.casefold)]
+        return [_account(name, tuple(found[name])) for name in sorted(found, key=str.casefold)]
 
     def get(self, account: str) -> Account:
         """Return an account; raises NotFoundError."""
@@ -52,8 +36,8 @@ class People:
                 return each
         raise NotFoundError(f"account: expected the name of an account, got {account!r}")
 
-    def create(self, account: str, role: Role, days: float | None, by: Role) -> tuple[Token, str]:
-        """Create an account with its first token; return the token and its secret.
+    def create(self, account: str, role: Role, days: float | None, by: Role) -> NewToken:
+        """Create an account with its first token, and return the token.
 
         Raises BadInputError for an invalid name, ConflictError if the account has a valid token,
         ForbiddenError.
@@ -61,10 +45,8 @@ class People:
         require(by, role)
         return self._added(self._tokens.add(role, account, expiry_of(days)))
 
-    def add_token(
-        self, account: str, role: Role | None, days: float | None, by: Role
-    ) -> tuple[Token, str]:
-        """Create another token of an account and return it with its secret.
+    def add_token(self, account: str, role: Role | None, days: float | None, by: Role) -> NewToken:
+        """Create another token of an account and return it.
 
         ``role`` None: the account's role, or else the role of its last token.  Raises
         NotFoundError, ForbiddenError.
@@ -85,11 +67,17 @@ class People:
         for each in ended:
             self._tokens.revoke(each.id)
 
-    def _added(self, secret: str) -> tuple[Token, str]:
+    def _added(self, secret: str) -> NewToken:
         made = self._tokens.check(secret)
         if made is None:
             raise NotFoundError("token: expected the new token, it was revoked at once")
-        return made, secret
+        return NewToken.of(made, token=secret)
+
+
+def _account(name: str, tokens: tuple[Token, ...]) -> Account:
+    """Return an account with its tokens and its current role."""
+    role = max((t.role for t in tokens if t.valid), key=ROLES.index, default=None)
+    return Account(name, role, tokens)
 
 
 def expiry_of(days: float | None) -> float | None:

@@ -14,11 +14,12 @@ from pointbrush.settings import Settings
 from pointbrush.values.exports import ExportFormat
 
 if TYPE_CHECKING:
-    from pointbrush.accounts.people import Account
     from pointbrush.database.job import Job
     from pointbrush.values.classifiers import Classifier
     from pointbrush.values.imports import Preview
+    from pointbrush.values.kinds import Role
     from pointbrush.values.recordings import Manifest
+    from pointbrush.values.team.accounts import NewToken
     from pointbrush.values.team.snapshots import Snapshot
     from pointbrush.work.classifiers.service import Classifiers
     from pointbrush.workspace import Workspace
@@ -127,26 +128,15 @@ def _require_workspace(settings: Settings) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class NewToken:
-    """A new token's secret."""
-
-    token: str
-
-
 class LocalAccounts:
     """The calls of ``client.Accounts``, with the rights of an admin."""
 
     def __init__(self, workspace: Workspace) -> None:
-        self._tokens, self._people = workspace.labels.tokens, workspace.labels.people
+        self._people = workspace.labels.people
+        self.all = self._people.all
 
-    def all(self) -> list[Account]:
-        return self._people.all()
-
-    def create(self, account: str, role: str, days: float | None) -> NewToken:
-        from pointbrush.accounts.people import expiry_of
-
-        return NewToken(self._tokens.add(role, account, expiry_of(days)))
+    def create(self, account: str, role: Role, days: float | None) -> NewToken:
+        return self._people.create(account, role, days, "admin")
 
     def revoke(self, account: str, token: str) -> None:
         self._people.revoke(account, token, "admin")

@@ -56,11 +56,17 @@ class Token(Value):
 
 
 @dataclass(frozen=True, slots=True)
-class NewToken(Token):
-    """A new token with its secret; no other answer contains the secret."""
+class AccountToken(Token):
+    """A token without its secret, and its account."""
 
     account: str
-    """Id of the account."""
+    """Id of the account, which is the author of its edits."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewToken(AccountToken):
+    """A new token with its secret; no other answer contains the secret."""
+
     token: str
     """The secret."""
 

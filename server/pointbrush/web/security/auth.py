@@ -16,7 +16,7 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
-from pointbrush.accounts.accounts import OWNER, Token, digest_of
+from pointbrush.accounts.accounts import OWNER, digest_of
 from pointbrush.accounts.roles import ROLES, Role, require
 from pointbrush.database.job import Job
 from pointbrush.errors import (
@@ -27,6 +27,7 @@ from pointbrush.errors import (
 )
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
+from pointbrush.values.team.accounts import AccountToken
 from pointbrush.web.context import known_query
 from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
@@ -284,7 +285,7 @@ def _unknown(kind: str, name: str) -> NotFoundError:
     return NotFoundError(f"{what}: expected a known id, got {name!r}")
 
 
-def _person(token: Token) -> Principal:
+def _person(token: AccountToken) -> Principal:
     return Principal(token.account, token.name or token.account, token.role)
 
 

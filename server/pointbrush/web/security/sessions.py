@@ -6,9 +6,10 @@ import secrets
 import time
 from dataclasses import dataclass, replace
 
-from pointbrush.accounts.accounts import SignIn, Token, digest_of
+from pointbrush.accounts.accounts import SignIn, digest_of
 from pointbrush.errors import ReadOnlyError
 from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.team.accounts import AccountToken
 
 SESSION_DAYS = 30
 MOST_KEPT = 10_000
@@ -33,14 +34,14 @@ class WebSessions:
         self._own = digest_of(own_token)
         self._kept: dict[str, _Kept] = {}
 
-    def begin(self, account: str, token: Token | None, secret: str) -> str:
+    def begin(self, account: str, token: AccountToken | None, secret: str) -> str:
         """Begin a session of a person's token, or of the server's own (None); return its id.
 
         Raises ReadOnlyError for a token without a ``secret`` where nothing can be written.
         """
         expires = time.time() + SESSION_DAYS * 86_400
         if token is not None and token.expires is not None:
-            expires = min(expires, token.expires)
+            expires = min(expires, token.expires.timestamp())
         owner = self._own if token is None else ""
         number = None if token is None else token.id
         try:

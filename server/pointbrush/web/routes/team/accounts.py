@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import Path, Query
 
-from pointbrush.accounts import accounts
-from pointbrush.values.kinds import time_of
 from pointbrush.values.team.accounts import (
     LONGEST_NAME,
     Account,
@@ -28,10 +26,7 @@ TokenId = Annotated[str, Query(pattern="^[0-9a-f]{8}$", description="id of one t
 @router.get("/accounts", **needs("manager"))
 def list_accounts(workspace: Ws) -> list[Account]:
     """List the accounts that have or had tokens, by name."""
-    return [
-        Account(each.account, each.role, tuple(map(_token, each.tokens)))
-        for each in workspace.labels.people.all()
-    ]
+    return workspace.labels.people.all()
 
 
 @router.post("/accounts", status_code=201, **needs("manager", 409, 413))
@@ -40,21 +35,19 @@ def create_account(body: NewAccount, workspace: Ws, who: Caller) -> NewToken:
 
     No caller gives a role above their own.
     """
-    made = workspace.labels.people.create(body.account, body.role, body.days, who.role)
-    return _made(*made)
+    return workspace.labels.people.create(body.account, body.role, body.days, who.role)
 
 
 @router.get("/accounts/{a}/tokens", **needs("manager", 404))
 def list_tokens(a: AccountName, workspace: Ws) -> list[Token]:
     """List the tokens of an account, oldest first, without their secrets."""
-    return [_token(each) for each in workspace.labels.people.get(a).tokens]
+    return list(workspace.labels.people.get(a).tokens)
 
 
 @router.post("/accounts/{a}/tokens", status_code=201, **needs("manager", 404, 413))
 def create_token(a: AccountName, body: NewTokenRequest, workspace: Ws, who: Caller) -> NewToken:
     """Add a token to an account; the answer contains the secret once."""
-    made = workspace.labels.people.add_token(a, body.role, body.days, who.role)
-    return _made(*made)
+    return workspace.labels.people.add_token(a, body.role, body.days, who.role)
 
 
 @router.delete("/accounts/{a}/tokens", status_code=204, **needs("manager", 404))
@@ -66,16 +59,3 @@ def revoke_tokens(
 ) -> None:
     """Revoke all tokens of an account, or one; their sessions end."""
     workspace.labels.people.revoke(a, id, who.role)
-
-
-def _token(found: accounts.Token) -> Token:
-    return Token.of(found, **_times(found))
-
-
-def _made(found: accounts.Token, secret: str) -> NewToken:
-    return NewToken.of(found, token=secret, **_times(found))
-
-
-def _times(found: accounts.Token) -> dict[str, Any]:
-    names = ("created", "expires", "revoked")
-    return {name: time_of(getattr(found, name)) for name in names}
