@@ -142,7 +142,7 @@ class Project(Part[L]):
 
         Raises ForbiddenError, ConflictError, BadInputError.
         """
-        body = TaskPatch(state, assignee, note, frame, vector(place))
+        body = TaskPatch(note, vector(place), assignee, state, frame)
         return self._change(Task, "PATCH", f"/tasks/{number}", body)
 
     @steps

@@ -56,7 +56,7 @@ class Review(Part[L]):
         Raises ForbiddenError for an insufficient role, NotFoundError, BadInputError.
         """
         end = first if last is None else last
-        body = ReviewPatch(state, note, vector(place), assignee, label, first, end).to_json()
+        body = ReviewPatch(note, vector(place), assignee, state, label, first, end).to_json()
         yield from self._call("PUT", "/review", json=body, idempotent=True)
 
     @steps

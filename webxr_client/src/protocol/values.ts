@@ -745,7 +745,7 @@ export interface NewToken {
   readonly revoked: string | null;
   /** It gives access now. */
   readonly valid: boolean;
-  /** Id of the account. */
+  /** Id of the account, which is the author of its edits. */
   readonly account: string;
   /** The secret. */
   readonly token: string;
@@ -893,14 +893,14 @@ export interface ReviewOverview {
 
 /** Values for a range of frames, or for a label in all frames. */
 export interface ReviewPatch {
-  /** New state; accepting and rejecting need the role reviewer.  `open`: not reviewed; `review`: waits for a reviewer; `accepted`: accepted by a reviewer; `rejected`: rejected by a reviewer */
-  readonly state?: 'open' | 'review' | 'accepted' | 'rejected' | null;
   /** New note; empty: removes the note. */
   readonly note?: string | null;
   /** Position that the note is pinned to, source coordinates, metres. */
   readonly place?: readonly [number, number, number] | null;
-  /** Account that the frames are assigned to; empty: not assigned. */
+  /** Account that the work is assigned to; empty: any. */
   readonly assignee?: string | null;
+  /** New state; accepting and rejecting need the role reviewer.  `open`: not reviewed; `review`: waits for a reviewer; `accepted`: accepted by a reviewer; `rejected`: rejected by a reviewer */
+  readonly state?: 'open' | 'review' | 'accepted' | 'rejected' | null;
   /** Id of a label to review instead of the frames themselves. */
   readonly label?: number | null;
   /** First frame; null: the label as a whole. */
@@ -1055,16 +1055,16 @@ export interface TaskEvent {
 
 /** Values to set; missing fields and null do not change. */
 export interface TaskPatch {
-  /** New state.  `open`: not assigned; `taken`: being labelled; `done`: labelled, waits for a review; `review`: being reviewed; `accepted`: accepted by a reviewer; `returned`: to be labelled again */
-  readonly state?: 'open' | 'taken' | 'done' | 'review' | 'accepted' | 'returned' | null;
-  /** Account that the task is assigned to; empty: any. */
-  readonly assignee?: string | null;
   /** New note; empty: removes the note. */
   readonly note?: string | null;
-  /** Frame of ``place``. */
-  readonly frame?: number | null;
   /** Position that the note is pinned to, source coordinates, metres. */
   readonly place?: readonly [number, number, number] | null;
+  /** Account that the work is assigned to; empty: any. */
+  readonly assignee?: string | null;
+  /** New state.  `open`: not assigned; `taken`: being labelled; `done`: labelled, waits for a review; `review`: being reviewed; `accepted`: accepted by a reviewer; `returned`: to be labelled again */
+  readonly state?: 'open' | 'taken' | 'done' | 'review' | 'accepted' | 'returned' | null;
+  /** Frame of ``place``. */
+  readonly frame?: number | null;
 }
 
 /** The classes of a workspace and the attributes of boxes; can be put into another workspace. */

@@ -50,17 +50,23 @@ FindingKind = Annotated[
 
 
 @dataclass(frozen=True, slots=True)
-class FrameReviewPatch(Body):
-    """Values to set; missing fields and null do not change."""
+class NotePatch(Body):
+    """A note and an assignee to set; missing fields and null do not change."""
 
-    state: ReviewState | None = None
-    """New state; accepting and rejecting need the role reviewer."""
     note: Note | None = None
     """New note; empty: removes the note."""
     place: Vector | None = None
     """Position that the note is pinned to, source coordinates, metres."""
     assignee: Person | None = None
-    """Account that the frames are assigned to; empty: not assigned."""
+    """Account that the work is assigned to; empty: any."""
+
+
+@dataclass(frozen=True, slots=True)
+class FrameReviewPatch(NotePatch):
+    """Values to set; missing fields and null do not change."""
+
+    state: ReviewState | None = None
+    """New state; accepting and rejecting need the role reviewer."""
     label: PaintId | None = None
     """Id of a label to review instead of the frames themselves."""
 

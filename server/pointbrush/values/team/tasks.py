@@ -17,7 +17,7 @@ from pointbrush.values.kinds import (
     Uuid,
     Vector,
 )
-from pointbrush.values.team.review import Agreement, Note, Person
+from pointbrush.values.team.review import Agreement, NotePatch, Person
 
 Work = Annotated[
     Literal["label", "review"],
@@ -67,19 +67,13 @@ class NextTask(Body):
 
 
 @dataclass(frozen=True, slots=True)
-class TaskPatch(Body):
+class TaskPatch(NotePatch):
     """Values to set; missing fields and null do not change."""
 
     state: TaskState | None = None
     """New state."""
-    assignee: Person | None = None
-    """Account that the task is assigned to; empty: any."""
-    note: Note | None = None
-    """New note; empty: removes the note."""
     frame: FrameIndex | None = None
     """Frame of ``place``."""
-    place: Vector | None = None
-    """Position that the note is pinned to, source coordinates, metres."""
 
 
 @dataclass(frozen=True, slots=True)
