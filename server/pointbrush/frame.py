@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,10 @@ Float = np.float32 | np.float64
 
 MOST_SENSORS = 64
 """Most sensors of one recording."""
+FAR = 1024.0
+"""Metres; coordinates beyond this need float64: float32 is coarser than 0.1 mm there."""
+_ROWS = 1 << 15
+"""Points worked on at once, so that temporary arrays stay in the processor's cache."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -166,3 +170,97 @@ class PointFrame:
 
     def __len__(self) -> int:
         return len(self.xyz)
+
+
+def to_frame(
+    sensor_xyz: NDArray[Any], T_frame_sensor: NDArray[np.float64], dtype: np.dtype[Any]
+) -> NDArray[Any]:
+    """Return points (N, 3) of a sensor in the frame's coordinates, as ``dtype``.
+
+    Each operation is a separate one of float64, so that all processors get the same bits.
+    """
+    T, out = T_frame_sensor, np.empty(sensor_xyz.shape, dtype)
+    for start in range(0, len(sensor_xyz), _ROWS):
+        x, y, z = sensor_xyz[start : start + _ROWS].T.astype(np.float64)
+        for axis in range(3):
+            moved = T[axis, 0] * x + T[axis, 1] * y + T[axis, 2] * z + T[axis, 3]
+            out[start : start + _ROWS, axis] = moved
+    return out
+
+
+def join_sensors(
+    sensors: tuple[Sensor, ...], given: Sequence[tuple[FramePart, PointFrame]], **facts: Any
+) -> PointFrame:
+    """Return one frame of the frames of several sensors, each in its sensor's coordinates.
+
+    ``given``: in increasing order of their sensors.  ``facts``: ``pose`` and ``timestamp`` of the
+    frame.  A field that only some of the frames have is 0 in the others.
+    """
+    frames = [frame for _, frame in given]
+    parts = tuple(replace(part, camera=frame.camera) for part, frame in given)
+    counts = [len(frame) for frame in frames]
+    columns: dict[str, Any] = {
+        name: _filled([getattr(frame, name) for frame in frames], counts)
+        for name in ("rgb", "intensity", "label", "instance", "pixel")
+    }
+    fields = {name: None for frame in frames for name in frame.other}
+    other = {name: _filled([frame.other.get(name) for frame in frames], counts) for name in fields}
+    numbers = [part.sensor for part in parts]
+    placed = [
+        to_frame(frame.xyz, part.T_frame_sensor, np.dtype(np.float64))
+        for part, frame in zip(parts, frames, strict=True)
+    ]
+    xyz: NDArray[Any] = np.concatenate([np.empty((0, 3)), *placed])
+    near = float(np.abs(xyz).max(initial=0.0)) <= FAR
+    return PointFrame(
+        xyz=xyz.astype(np.float32) if near else xyz,
+        **columns,
+        dropped=sum(frame.dropped for frame in frames),
+        other=other,
+        sensors=sensors,
+        parts=parts,
+        sensor=np.repeat(np.array(numbers, np.uint8), counts),
+        sensor_xyz=_filled([frame.xyz for frame in frames], counts),
+        **facts,
+    )
+
+
+def _filled(columns: Sequence[NDArray[Any] | None], counts: Sequence[int]) -> Any:
+    """Return the columns of frames of ``counts`` points as one, None if no frame has it."""
+    known = [column for column in columns if column is not None]
+    if not known:
+        return None
+    shape, dtype = known[0].shape[1:], np.result_type(*known)
+    return np.concatenate(
+        [
+            np.zeros((count, *shape), dtype) if column is None else column.astype(dtype)
+            for column, count in zip(columns, counts, strict=True)
+        ]
+    )
+
+
+def frame_of_part(frame: PointFrame, part: FramePart) -> PointFrame:
+    """Return the points of one sensor as a frame in the sensor's coordinates.
+
+    It has no intensities if they are all 0, as in a part that had none.
+    """
+    if frame.sensor is None or frame.sensor_xyz is None:
+        raise BadInputError("expected a frame of several sensors")
+    first, stop = np.searchsorted(frame.sensor, [part.sensor, part.sensor + 1])
+    own: dict[str, Any] = {
+        name: None if (column := getattr(frame, name)) is None else column[first:stop]
+        for name in ("rgb", "intensity", "label", "instance", "pixel")
+    }
+    if own["intensity"] is not None and not np.nan_to_num(own["intensity"]).any():
+        own["intensity"] = None
+    if part.camera is None:
+        own["pixel"] = None
+    xyz: NDArray[Any] = np.ascontiguousarray(frame.sensor_xyz[first:stop])
+    return PointFrame(
+        xyz=xyz,
+        **own,
+        viewpoint=np.zeros(3),
+        timestamp=part.timestamp,
+        camera=part.camera,
+        other={name: values[first:stop] for name, values in frame.other.items()},
+    )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -29,11 +29,13 @@ POINT_FIELDS = ("rgb", "intensity", "label", "instance", "pixel")
 class Encoded:
     """A frame ready to be written; ``error`` is its greatest quantisation error per axis.
 
+    ``local``: the points (N, 3), local metres, in stored order.
     ``side_error`` is the depth image's error across the camera's axis, ``color_error`` the
     difference of its picture from the colours; 0 without a depth image.
     """
 
     arrays: dict[str, NDArray[Any]]
+    local: NDArray[np.float32]
     wire: bytes
     error: float
     side_error: float = 0.0
@@ -130,11 +132,14 @@ def chunk_bounds(levels: list[int]) -> tuple[NDArray[np.int64], list[int]]:
 
 
 def frame_meta(frame: PointFrame) -> dict[str, Any]:
-    """Return the metadata of a frame's arrays: the coordinates' type, the depth camera."""
+    """Return the metadata of a frame's arrays: types of coordinates, depth cameras."""
     meta: dict[str, Any] = {"dtype": frame.xyz.dtype.name}
     if frame.camera is not None:
-        camera = frame.camera
-        meta["camera"] = {field.name: getattr(camera, field.name) for field in fields(camera)}
+        meta["camera"] = asdict(frame.camera)
+    if frame.sensor_xyz is not None:
+        meta["sensor_dtype"] = frame.sensor_xyz.dtype.name
+        cameras = {part.sensor: part.camera for part in frame.parts}
+        meta["cameras"] = {str(k): asdict(each) for k, each in cameras.items() if each is not None}
     return meta
 
 
@@ -146,14 +151,14 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
     """
     local = to_local(frame.xyz, grid.shift)
     order, first, of_level, depth = _arranged(frame, local, grid)
-    xyz, columns = local.take(order, axis=0), _columns(frame, order)
+    xyz, columns = local.take(order, axis=0), columns_of(frame, order)
     rgb, intensity = columns.get("rgb"), columns.get("intensity")
     colors = wire_colors(rgb, intensity, grid.intensity_range, len(xyz))
     chunks = encode_chunks(xyz, colors, first, grid, ordered=depth is not None)
     chunks.table["level"] = of_level
     if chunks.order is not None:
         order, xyz = order[chunks.order], xyz.take(chunks.order, axis=0)
-        columns = _columns(frame, order)
+        columns = columns_of(frame, order)
 
     arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
     exact = residual(frame.xyz.take(order, axis=0), xyz, grid.shift)
@@ -161,16 +166,16 @@ def encode_frame(frame: PointFrame, grid: Grid) -> Encoded:
         arrays["residual"] = exact
     arrays |= {**columns, "chunks": chunks.table, **block_arrays(xyz, first)}
     if depth is None:
-        return Encoded(arrays, chunks.wire, chunks.error)
+        return Encoded(arrays, xyz, chunks.wire, chunks.error)
     sizes = [len(chunk) for chunk in depth.chunks]
     arrays["depth_ends"] = len(chunks.wire) + np.cumsum(sizes, dtype=np.int64)
     wire = b"".join((chunks.wire, *depth.chunks))
     error = max(chunks.error, depth.error)
-    return Encoded(arrays, wire, error, depth.side_error, depth.color_error)
+    return Encoded(arrays, xyz, wire, error, depth.side_error, depth.color_error)
 
 
-def _columns(frame: PointFrame, order: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
-    """The fields that a frame has, in stored order."""
+def columns_of(frame: PointFrame, order: NDArray[np.int64]) -> dict[str, NDArray[Any]]:
+    """Return the fields that a frame has, in stored order."""
     given = {name: getattr(frame, name) for name in POINT_FIELDS}
     return {
         name: column.take(order, axis=0) for name, column in given.items() if column is not None

@@ -21,6 +21,7 @@ from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.large import LargeFrame
 from pointbrush.sequences.pictures import write_pictures
 from pointbrush.sequences.record import Record, RecordingInfo, make_manifest, record
+from pointbrush.sequences.sensor_chunks import encode_sensors
 from pointbrush.sequences.storage.checksums import CHECKSUMS, encode_checksums
 from pointbrush.sequences.storage.files import new_folder, write_file
 from pointbrush.sequences.storage.frame_files import FRAMES
@@ -89,8 +90,8 @@ def import_large(
 ) -> Manifest:
     """Import one frame that comes in ``parts`` (a million points each is good), in little memory.
 
-    The parts have the same fields and are in the source's order.  A frame that turns out to fit in
-    memory is stored like any other.  Errors as ``import_frames``.
+    The parts have the same fields, one sensor, and are in the source's order.  A frame that turns
+    out to fit in memory is stored like any other.  Errors as ``import_frames``.
     """
     parts = iter(parts)
     head: list[PointFrame] = []
@@ -126,6 +127,7 @@ def join(parts: list[PointFrame]) -> PointFrame:
 
     Raises BadInputError when the parts' fields differ.
     """
+    _require_one_sensor(parts[0])
     columns: dict[str, Any] = {}
     for name in ("xyz", *POINT_FIELDS):
         given = [getattr(part, name) for part in parts]
@@ -180,10 +182,11 @@ def _store_all(
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
     if len(frame) > LARGE_POINTS:
+        _require_one_sensor(frame)
         beside = write_source_fields(folder, index, replace(frame, other={}, header=None))
         stored = _store_large(split(frame), index, grid, folder, len(frame), _silent)
         return replace(stored, checksums=stored.checksums | beside)
-    encoded = encode_frame(frame, grid)
+    encoded = encode_sensors(frame, grid) if frame.sensors else encode_frame(frame, grid)
     stem = folder / FRAMES / f"{index:06d}"
     checksums = write_arrays(stem.with_suffix(".points"), encoded.arrays, frame_meta(frame))
     wire = stem.with_suffix(".wire")
@@ -191,9 +194,17 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     checksums[wire.name] = digest(encoded.wire)
     named = {f"{FRAMES}/{key}": value for key, value in checksums.items()}
     named |= write_source_fields(folder, index, frame)
-    xyz, dropped = encoded.arrays["xyz"], frame.dropped
+    xyz, dropped = encoded.local, frame.dropped
     stored = record(frame, encoded.arrays, xyz, encoded.error, named, dropped=dropped, large=False)
     return replace(stored, side_error=encoded.side_error, color_error=encoded.color_error)
+
+
+def _require_one_sensor(frame: PointFrame) -> None:
+    if frame.sensors:
+        raise BadInputError(
+            f"expected at most {LARGE_POINTS:,} points in a frame of several sensors, "
+            f"got {len(frame):,}: leave out sensors, or import each on its own"
+        )
 
 
 def _store_large(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.frame import PointFrame
+from pointbrush.frame import FramePart, PointFrame, Sensor, frame_of_part
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
 from pointbrush.sequences.octree.coordinates import Coordinates
+from pointbrush.sequences.octree.order import bounds
 from pointbrush.sequences.room import RoomFinder
 from pointbrush.sequences.storage.manifest import Manifest, now
-from pointbrush.sequences.wire.chunk import Grid
+from pointbrush.sequences.storage.sensors import IDENTITY, StoredSensor, require_rigid
+from pointbrush.sequences.wire.chunk import SENSOR_CHUNK, Grid
 
 _PREFIX = 4096
 
@@ -28,6 +31,16 @@ class FrameOrigin(Protocol):
     def file(self) -> str: ...  # noqa: D102
     @property
     def place(self) -> int: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PartRecord:
+    """Record of the points of one of several sensors; ``lo`` and ``hi`` in its coordinates."""
+
+    part: FramePart
+    count: int
+    lo: NDArray[np.float64]
+    hi: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +61,8 @@ class Record:
     dropped: int
     large: bool
     checksums: dict[str, str]
+    sensors: tuple[Sensor, ...]
+    parts: tuple[PartRecord, ...]
 
 
 def record(
@@ -62,8 +77,12 @@ def record(
 ) -> Record:
     """Describe stored ``arrays``; ``frame``, or its first part, gives pose, sensor and time.
 
-    ``xyz`` are the points' local coordinates.
+    ``xyz`` are the points' local coordinates.  The first of several sensors gives the viewpoint of
+    a frame without one.
     """
+    viewpoint = frame.viewpoint
+    if viewpoint is None and frame.parts:
+        viewpoint = frame.parts[0].T_frame_sensor[:3, 3]
     chunks = arrays["chunks"]
     count, none = len(arrays["source_index"]), np.full(3, np.nan)
     return Record(
@@ -76,26 +95,41 @@ def record(
         color_error=0.0,
         prefix=xyz[: _prefix(chunks)].copy(),
         pose=None if frame.pose is None else frame.pose.ravel().tolist(),
-        viewpoint=None if frame.viewpoint is None else frame.viewpoint.tolist(),
+        viewpoint=None if viewpoint is None else viewpoint.tolist(),
         timestamp=None if frame.timestamp is None else float(frame.timestamp),
         dropped=dropped,
         large=large,
         checksums=checksums,
+        sensors=frame.sensors,
+        parts=tuple(_part_record(frame, part) for part in frame.parts),
     )
 
 
+def _part_record(frame: PointFrame, part: FramePart) -> PartRecord:
+    own = frame_of_part(frame, part).xyz
+    none = np.full(3, np.nan)
+    lo, hi = bounds(own) if len(own) else (none, none)  # type: ignore[arg-type]  # or float64
+    return PartRecord(part, len(own), lo.astype(np.float64), hi.astype(np.float64))
+
+
 def _position_error(records: list[Record], grid: Grid, extent: float) -> float:
-    """Return the greatest error of all frames; the page rounds points of depth images again."""
+    """Return the greatest error of all frames; the page rounds points of depth images again.
+
+    It rounds all points of several sensors, after it has turned them, which mixes the axes.
+    """
     error = max((record.error for record in records), default=0.0)
-    if grid.lattice is None:
-        return error
+    side_error = max((record.side_error for record in records), default=0.0)
     rounded = GRID_ROUNDING * extent / GRID_CELLS
-    return max(error, max((record.side_error for record in records), default=0.0) + rounded)
+    if records[0].sensors:
+        return math.sqrt(3) * max(error, side_error) + rounded
+    return error if grid.lattice is None else max(error, side_error + rounded)
 
 
 def _prefix(chunks: NDArray[Any]) -> int:
     """Count the first points that are an even subsample: few points of whole chunks."""
     stops = chunks["first"] + chunks["count"]
+    if chunks.dtype == SENSOR_CHUNK:
+        return int(stops[chunks["level"] == 0].max(initial=0))
     few = stops[stops <= _PREFIX]
     return int(few.max(initial=0)) or _PREFIX
 
@@ -171,4 +205,37 @@ def make_manifest(records: list[Record], grid: Grid, info: RecordingInfo) -> Man
         palette=[],
         scale=1.0,
         project="",
+        sensors=[_sensor(number, records, grid) for number in range(len(records[0].sensors))],
+    )
+
+
+def _sensor(number: int, records: list[Record], grid: Grid) -> StoredSensor:
+    """Return one of several sensors for the manifest.
+
+    Frames without points of it have the mount of the frame before them.
+    """
+    if any(record.sensors != records[0].sensors for record in records):
+        raise BadInputError("sensors: expected the same in all frames")
+    parts = [
+        next((part for part in record.parts if part.part.sensor == number), None)
+        for record in records
+    ]
+    known = [part for part in parts if part is not None]
+    name = records[0].sensors[number].name
+    last = known[0].part.T_frame_sensor if known else np.eye(4)
+    mounts = []
+    for part in parts:
+        last = last if part is None else part.part.T_frame_sensor
+        mounts.append(require_rigid(f"mount of {name}", last))
+    seen = [part for part in known if part.count]
+    return StoredSensor(
+        name=name,
+        type=records[0].sensors[number].type,
+        lattice=grid.lattices[number] if grid.lattices else None,
+        mounts=mounts if any(mount != mounts[0] for mount in mounts) else mounts[:1],
+        times=[None if part is None else part.part.timestamp for part in parts],
+        points=[0 if part is None else part.count for part in parts],
+        lo=np.min([part.lo for part in seen], axis=0).tolist() if seen else [0.0] * 3,
+        hi=np.max([part.hi for part in seen], axis=0).tolist() if seen else [0.0] * 3,
+        correction=IDENTITY,
     )

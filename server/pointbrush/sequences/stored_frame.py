@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from pointbrush.cache import Cache
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.frame import DepthCamera
+from pointbrush.frame import DepthCamera, Sensor
 from pointbrush.sequences import kdtree
 from pointbrush.sequences.blocks import Blocks
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.coordinates import Coordinates
 from pointbrush.sequences.storage.frame_files import CopiedFiles, MappedFiles
 from pointbrush.sequences.storage.manifest import Manifest
+from pointbrush.sequences.stored_part import StoredPart
 from pointbrush.values.frames import Chunk
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ _trees: Cache[tuple[str, str, int], cKDTree[None]] = Cache(_TREE_POINTS)
 """Trees of all sequences together, bounded by their points (about 45 bytes each)."""
 
 
-_CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:]
+_CHUNK_COLUMNS = [field.name for field in fields(Chunk)][1:-1]
 
 
 class StoredFrame:
@@ -38,20 +39,25 @@ class StoredFrame:
     Every method that reads its files raises DamagedError, naming the frame, if they are damaged.
 
     ``pose``          (4, 4) ``T_world_frame`` in the source's coordinates, or None.
-    ``viewpoint``     (3,) the sensor's position, local metres, or None.
+    ``viewpoint``     (3,) the sensor's position, local metres, or None; the first of several.
     ``timestamp``     seconds, or None.
+    ``sensors``       the sensors of a recording of several, else ().
     """
 
     def __init__(self, files: CopiedFiles | MappedFiles, manifest: Manifest) -> None:
         index = files.index
         self.index, self.count, self.large = index, files.count, files.large
-        self._files, self._identity = files, manifest.identity
+        self._files, self._placement = files, manifest.placement
+        self._stored_sensors = manifest.sensors
+        self.sensors = tuple(Sensor(each.name, each.type) for each in manifest.sensors)
         self._shift, self._lattice = np.array(manifest.shift), manifest.lattice
         self._sends_depth = manifest.depth_lattice is not None
         pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
         self.pose = None if pose is None else np.array(pose).reshape(4, 4)
         self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
         self.timestamp = manifest.timestamps[index]
+        if self.sensors and self.parts:
+            self.viewpoint = self.parts[0].viewpoint
 
     def __len__(self) -> int:
         return self.count
@@ -107,8 +113,45 @@ class StoredFrame:
 
     @property
     def lattice(self) -> Lattice | None:
-        """The pixels that the frame's points lie on, as the import found them, or None."""
+        """The pixels that the frame's points lie on, as the import found them, or None.
+
+        None for several sensors: ``parts`` have a lattice each.
+        """
         return None if self._files.depth_ends is None else self._lattice
+
+    @property
+    def sensor(self) -> NDArray[np.uint8] | None:
+        """(N,) number of each point's sensor in ``sensors``, or None: there is one sensor."""
+        return self._column("sensor")
+
+    @cached_property
+    def parts(self) -> tuple[StoredPart, ...]:
+        """The sensors that recorded this frame, with their corrected mounts."""
+        if not self.sensors:
+            return (StoredPart.alone(self.viewpoint, self.timestamp, self.lattice, self.camera),)
+        chunks = self.chunk_table
+        cameras = self._files.meta["cameras"]
+        return tuple(
+            StoredPart.of(
+                number,
+                stored,
+                self.index,
+                self._shift,
+                on_lattice=bool(chunks["depth"][chunks["sensor"] == number].any()),
+                camera=cameras.get(str(number)),
+            )
+            for number, stored in enumerate(self._stored_sensors)
+            if (chunks["sensor"] == number).any()
+        )
+
+    def sensor_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
+        """Points (N, 3) in their sensors' coordinates: source order, bit for bit as imported.
+
+        Those of one sensor are its ``source_xyz``.
+        """
+        if not self.sensors:
+            return self.source_xyz()
+        return self.to_source(self._files.array("sensor_xyz"))
 
     def to_source(self, stored_values: NDArray[Any]) -> NDArray[Any]:
         """A per-point array (N, …) from stored into source order."""
@@ -137,7 +180,10 @@ class StoredFrame:
         return self.to_source(np.arange(self.count, dtype=np.uint32))
 
     def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
-        """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit."""
+        """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit.
+
+        A correction of a mount moves the points of its sensor.
+        """
         return self.to_source(self._files.source(0, self.count))
 
     def read(self, name: str, first: int, stop: int) -> NDArray[Any]:
@@ -204,9 +250,10 @@ class StoredFrame:
     @cached_property
     def chunks(self) -> list[Chunk]:
         """All chunks, in the order of their points and bytes."""
+        names = [*_CHUNK_COLUMNS, *(("sensor",) if self.sensors else ())]
         columns: list[list[Any]] = [
             list(map(tuple, values)) if values and isinstance(values[0], list) else values
-            for values in (self.chunk_table[name].tolist() for name in _CHUNK_COLUMNS)
+            for values in (self.chunk_table[name].tolist() for name in names)
         ]
         return list(map(Chunk, range(len(self.chunk_table)), *columns))
 
@@ -264,7 +311,7 @@ class StoredFrame:
                 f"got {self.count:,} points"
             )
         return _trees.get(
-            (str(self._files.path), self._identity, self.index),
+            (str(self._files.path), self._placement, self.index),
             lambda: kdtree.build(self.xyz),
             size=max(self.count, 1),
         )

@@ -35,6 +35,9 @@ class Chunk(Value):
     """Corner of its points with the greatest x, y and z, local metres."""
     parent: int
     """Number of the chunk above in an octree; -1: none."""
+    sensor: int | None = None
+    """Number of the sensor of its points, in whose coordinates ``origin`` and ``scale`` are; null:
+    the recording has one sensor."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +143,16 @@ class Lattice:
         ):
             xyz[:, side] = self.eye[side] + along * (tangent + pitch * place)
         return xyz
+
+
+def lattice_of(given: dict[str, Any] | None) -> Lattice | None:
+    """Return a lattice of its JSON, which has lists in place of tuples."""
+    if given is None:
+        return None
+    plain: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
+    }
+    return Lattice(**plain)
 
 
 class Pixels(NamedTuple):

@@ -8,25 +8,27 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.frame import PointFrame
+from pointbrush.frame import FAR, PointFrame, frame_of_part
 from pointbrush.sequences.columns import to_local
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.octree.order import MAX_POINTS
 from pointbrush.sequences.octree.quantise import base_step, coarsest_step
 from pointbrush.sequences.wire.chunk import Grid
 
-FAR = 1024.0
-"""Coordinates beyond this (metres) are shifted: float32 is coarser than 0.1 mm there."""
 _SAMPLE = 500_000
 """Intensities of which quantiles are taken, evenly from all."""
 
 
 class GridChooser:
-    """Chooses shift, grid, lattice and intensity range from the first frame that defines them."""
+    """Chooses shift, grid, lattice and intensity range from the first frame that defines them.
+
+    The lattice of each of several sensors is chosen from the first frame with points of it.
+    """
 
     def __init__(self) -> None:
         self.grid = Grid(np.zeros(3), base_step(0.0), None)
         self._placed = False
+        self._seen: set[int] = set()
 
     def __call__(self, frames: Sequence[PointFrame]) -> Grid:
         """The grid for ``frames``, one frame or parts of one."""
@@ -44,7 +46,18 @@ class GridChooser:
         if self.grid.intensity_range is None and known:
             span = intensity_range(np.concatenate(known))
             self.grid = replace(self.grid, intensity_range=span)
+        for frame in filled:
+            self._add_sensors(frame)
         return self.grid
+
+    def _add_sensors(self, frame: PointFrame) -> None:
+        """Find the lattices of the sensors that have points for the first time."""
+        origin, lattices = np.zeros(3), list(self.grid.lattices or (None,) * len(frame.sensors))
+        for part in frame.parts:
+            if part.sensor not in self._seen and len(own := frame_of_part(frame, part)):
+                self._seen.add(part.sensor)
+                lattices[part.sensor] = _lattice([own], origin, self.grid.step)
+                self.grid = replace(self.grid, lattices=tuple(lattices))
 
 
 def _ends(xyz: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -57,7 +70,7 @@ def _lattice(
     frames: Sequence[PointFrame], shift: NDArray[np.float64], step: float
 ) -> Lattice | None:
     """Return the lattice of whole frames; a frame in parts is not of a depth camera."""
-    if len(frames) != 1 or len(frames[0]) > MAX_POINTS:
+    if len(frames) != 1 or len(frames[0]) > MAX_POINTS or frames[0].sensors:
         return None
     # Imported here because it loads the tracker's sensors, which only an import needs.
     from pointbrush.sequences.depth.finding import find_lattice

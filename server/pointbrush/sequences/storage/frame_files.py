@@ -79,7 +79,7 @@ class FrameFiles:
         ``held`` keeps the files there, see ``FolderFiles.hold``.
         """
         self.index, self._folder, self._held = index, folder, held
-        self._checksums, self._identity = checksums, manifest.identity
+        self._checksums, self._placement = checksums, manifest.placement
         self._shift, points = np.array(manifest.shift), manifest.points[index]
         self._wire_path = folder / f"{index:06d}.wire"
         self._wire: memoryview | None = None
@@ -177,8 +177,12 @@ class CopiedFiles(FrameFiles):
 
     def arrays(self) -> Arrays:
         """All arrays, compared with their checksum; a copy that no change of the file affects."""
-        key = str(self.path), self._identity
-        return _copied.get(key, self._copy, self._layout.nbytes)
+        key = str(self.path), self._placement
+        return _copied.get(key, self._copy, self._copied_bytes)
+
+    @property
+    def _copied_bytes(self) -> int:
+        return self._layout.nbytes
 
     def _copy(self) -> Arrays:
         with self.telling():
@@ -332,6 +336,10 @@ def open_frame_files(
 ) -> CopiedFiles | MappedFiles:
     """The files of frame ``index`` in ``folder``; raises DamagedError."""
     place = folder / f"{index:06d}"
+    if manifest.sensors:
+        from pointbrush.sequences.storage.sensor_files import SensorFiles
+
+        return SensorFiles(folder, index, manifest, checksums, held)
     if not place.is_dir():
         return CopiedFiles(folder, index, manifest, checksums, held)
     kind = MappedFiles if (place / "xyz.npy").exists() else PackedFiles

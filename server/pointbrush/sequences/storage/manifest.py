@@ -3,32 +3,33 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
 from datetime import UTC, datetime
 from functools import cache
 from hashlib import blake2b
 from math import isfinite
 from pathlib import Path
 from types import UnionType
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.names import composed, require_visible
-from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice
+from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, Lattice, lattice_of
 from pointbrush.sequences.storage.files import replace_file
+from pointbrush.sequences.storage.sensors import Matrix, StoredSensor, require_rigid, sensor_of
 
 FILE = "manifest.json"
-VERSION = 7
+VERSION = 8
 """1 keeps all arrays of frames plain, 2 packs them, 3 may have a lattice, 4 packs the source's
 further fields like arrays, and the coordinates of octrees, 5 has the format of depth images, 6 the
 names of classes of labels that are words, and the files of frames, 7 the meaning of numbers of
-labels, and the scale; all are read."""
-
-Matrix = list[float]
-"""Row-major 4x4."""
+labels, and the scale, 8 several sensors; all are read."""
+_ONE_SENSOR = 7
+"""Version of the manifest of a recording of one sensor, which older servers read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +62,7 @@ class Manifest:
                         the present one, and takes this for a recording that it does not know yet.
     ``files``           name of the file that each frame came from, ``places`` its place among the
                         frames of that file; both empty where an older import did not keep them.
+    ``sensors``         sensors of a recording of several, in the order of their numbers, else [].
     ``created``         date of the import, or of the copy.
     ``imported_as``     ``id`` at the import: a restored recording may have got another one.
     """
@@ -96,12 +98,29 @@ class Manifest:
     palette: list[dict[str, Any]]
     scale: float
     project: str
+    sensors: list[StoredSensor] = field(default_factory=list)
 
     @property
     def identity(self) -> str:
         """16 hex digits that differ for every import, also for another import of the same id."""
         facts = [self.imported_as, self.created, self.source, self.lo, self.hi]
         return blake2b(json.dumps(facts).encode(), digest_size=8).hexdigest()
+
+    @property
+    def placement(self) -> str:
+        """Name of the import and of its corrected mounts: a key of values made from positions."""
+        corrections = [sensor.correction for sensor in self.sensors]
+        if not any(sensor.corrected for sensor in self.sensors):
+            return self.identity
+        digest = blake2b(json.dumps(corrections).encode(), digest_size=8).hexdigest()
+        return f"{self.identity}-{digest}"
+
+    @property
+    def bounds(self) -> tuple[list[float], list[float]]:
+        """Bounds over all frames, local, which hold all points also by corrected mounts."""
+        shifts = [sensor.greatest_shift() for sensor in self.sensors if sensor.corrected]
+        most = np.max(shifts, axis=0) if shifts else np.zeros(3)
+        return np.subtract(self.lo, most).tolist(), np.add(self.hi, most).tolist()
 
     @property
     def depth_lattice(self) -> Lattice | None:
@@ -133,6 +152,9 @@ def now() -> str:
 def encode_manifest(manifest: Manifest) -> bytes:
     """The manifest's file, which carries a checksum of itself."""
     content = {"version": VERSION, **asdict(manifest)}
+    if not manifest.sensors:
+        content["version"] = _ONE_SENSOR
+        del content["sensors"]
     return json.dumps(content | {"checksum": checksum(content)}, indent=1).encode()
 
 
@@ -187,15 +209,20 @@ def _of_any_version(content: dict[str, Any]) -> Manifest:
     content.setdefault("palette", [])
     content.setdefault("scale", 1.0)
     content.setdefault("project", "")
-    content["lattice"] = _lattice(content.get("lattice"))
-    return Manifest(**{field.name: content[field.name] for field in fields(Manifest)})
+    content["lattice"] = lattice_of(content.get("lattice"))
+    content["sensors"] = [sensor_of(each) for each in content.get("sensors", [])]
+    return Manifest(**{each.name: content[each.name] for each in fields(Manifest)})
 
 
 def _require_sound(manifest: Manifest, name: str) -> None:
     """Raise BadInputError unless each field has a value of its type, and each frame its points."""
-    for field, kind in _types().items():
-        if not _fits(getattr(manifest, field), kind):
-            raise BadInputError(f"{name}: expected {field} of type {kind}")
+    for checked, types in (
+        (manifest, _types(Manifest)),
+        *((s, _types(StoredSensor)) for s in manifest.sensors),
+    ):
+        for key, kind in types.items():
+            if not _fits(getattr(checked, key), kind):
+                raise BadInputError(f"{name}: expected {key} of type {kind}")
     if manifest.frames != len(manifest.points) or min(manifest.points, default=0) < 0:
         raise BadInputError(f"{name}: expected the points of {manifest.frames} frames")
     if (len(manifest.room), len(manifest.found_room)) != (16, 16):
@@ -203,8 +230,8 @@ def _require_sound(manifest: Manifest, name: str) -> None:
 
 
 @cache
-def _types() -> dict[str, Any]:
-    return get_type_hints(Manifest)
+def _types(checked: type) -> dict[str, Any]:
+    return get_type_hints(checked)
 
 
 def _fits(value: Any, kind: Any) -> bool:
@@ -214,6 +241,8 @@ def _fits(value: Any, kind: Any) -> bool:
     if get_origin(kind) is list:
         (item,) = get_args(kind)
         return isinstance(value, list) and all(_fits(each, item) for each in value)
+    if get_origin(kind) is Literal:
+        return value in get_args(kind)
     if kind is float and isinstance(value, int | float):
         return not isinstance(value, bool) and isfinite(value)
     return kind is Any or isinstance(value, get_origin(kind) or kind)
@@ -223,16 +252,6 @@ def _files_of(content: dict[str, Any]) -> list[str]:
     """Derive the names of files from the source of an older import, where it lists one a frame."""
     names = [Path(source).name for source in content["source"].split(", ")]
     return names if len(names) == content["frames"] and all(names) else []
-
-
-def _lattice(given: dict[str, Any] | None) -> Lattice | None:
-    """A lattice as JSON has it: lists where there were tuples."""
-    if given is None:
-        return None
-    plain: dict[str, Any] = {
-        key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
-    }
-    return Lattice(**plain)
 
 
 def rename_sequence(path: Path, sequence: str) -> Manifest:
@@ -268,11 +287,13 @@ def changed_manifest(
     name: str | None = None,
     fps: float | None = None,
     room: NDArray[np.float64] | None = None,
+    corrections: Sequence[NDArray[np.float64]] | None = None,
 ) -> Manifest:
     """Return a manifest with the given fields changed.
 
-    ``room`` is ``T_room_local`` (4, 4), affine and invertible.  Raises BadInputError for an empty
-    name, a rate that is not positive and finite, or another matrix.
+    ``room`` is ``T_room_local`` (4, 4), affine and invertible.  ``corrections``: that of each
+    sensor's mount, (4, 4), rigid.  Raises BadInputError for an empty name, a rate that is not
+    positive and finite, or another matrix.
     """
     if id is not None:
         manifest = replace(manifest, id=id)
@@ -287,7 +308,22 @@ def changed_manifest(
         manifest = replace(manifest, fps=float(fps))
     if room is not None:
         manifest = replace(manifest, room=_check_room(room))
+    if corrections is not None:
+        manifest = replace(manifest, sensors=_corrected(manifest.sensors, corrections))
     return manifest
+
+
+def _corrected(
+    sensors: Sequence[StoredSensor], corrections: Sequence[NDArray[np.float64]]
+) -> list[StoredSensor]:
+    if len(corrections) != len(sensors):
+        raise BadInputError(
+            f"corrections: expected one for each of {len(sensors)} sensors, got {len(corrections)}"
+        )
+    return [
+        replace(sensor, correction=require_rigid(f"correction of {sensor.name}", correction))
+        for sensor, correction in zip(sensors, corrections, strict=True)
+    ]
 
 
 def _check_room(room: NDArray[np.float64]) -> Matrix:

@@ -28,6 +28,9 @@ CHUNK = np.dtype(
     ]
 )
 """One row per chunk; ``parent`` is -1 except in an octree."""
+SENSOR_CHUNK = np.dtype([*CHUNK.descr, ("sensor", "u1"), ("depth", "?")])
+"""The same where there are several sensors: ``origin`` and ``scale`` give coordinates of the
+chunk's sensor; ``depth``: the chunk is also a band of the depth image of its sensor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +38,8 @@ class Grid:
     """Values that all frames of a sequence share: shift, grid, lattice, range of intensities.
 
     A chunk's step is ``step`` or, to keep the budget, up to ``coarsest`` (none: ``step``); a chunk
-    of noise may have a greater one.  ``lattice``: pixels that the frames' points lie on, or None.
+    of noise may have a greater one.  ``lattice``: pixels that the frames' points lie on, or None;
+    ``lattices``: that of each of several sensors, in the sensor's coordinates.
     """
 
     shift: NDArray[np.float64]
@@ -43,6 +47,7 @@ class Grid:
     intensity_range: tuple[float, float] | None
     coarsest: float = 0.0
     lattice: Lattice | None = None
+    lattices: tuple[Lattice | None, ...] = ()
 
 
 def wire_colors(

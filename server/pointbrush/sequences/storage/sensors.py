@@ -1,0 +1,92 @@
+"""The sensors of a recording as its manifest has them, and their mounts with corrections."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.sequences.depth.lattice import Lattice, lattice_of
+from pointbrush.values.kinds import SensorType
+
+Matrix = list[float]
+"""Row-major 4x4."""
+IDENTITY: Matrix = np.eye(4).ravel().tolist()
+_RIGID_ERROR = 1e-4
+"""Greatest difference of products of a rotation's rows from those of a rotation."""
+
+
+@dataclass(frozen=True, slots=True)
+class StoredSensor:
+    """One of several sensors of a recording.
+
+    ``lattice``     pixels that its points lie on, in its coordinates, or None.
+    ``mounts``      ``T_frame_sensor``, row-major 4x4: one for all frames, or one a frame.
+    ``times``       seconds per frame, or None; ``points`` per frame.
+    ``lo``, ``hi``  bounds over all frames, in its coordinates.
+    ``correction``  row-major 4x4: a point of the sensor is at ``mount @ correction`` times its
+                    coordinates in the frame.  All other fields never change.
+    """
+
+    name: str
+    type: SensorType
+    lattice: Lattice | None
+    mounts: list[Matrix]
+    times: list[float | None]
+    points: list[int]
+    lo: list[float]
+    hi: list[float]
+    correction: Matrix
+
+    def imported_mount(self, frame: int) -> NDArray[np.float64]:
+        """Return ``T_frame_sensor`` (4, 4) of a frame as it was imported."""
+        return np.array(self.mounts[frame if len(self.mounts) > 1 else 0]).reshape(4, 4)
+
+    def mount(self, frame: int) -> NDArray[np.float64]:
+        """Return ``T_frame_sensor`` (4, 4) of a frame with the correction."""
+        if not self.corrected:
+            return self.imported_mount(frame)
+        mount: NDArray[np.float64] = self.imported_mount(frame) @ np.reshape(
+            self.correction, (4, 4)
+        )
+        return mount
+
+    @property
+    def corrected(self) -> bool:
+        """Return whether there is a correction."""
+        return self.correction != IDENTITY
+
+    def greatest_shift(self) -> NDArray[np.float64]:
+        """Return the greatest shift (3,) of a point by the correction along each axis, metres."""
+        corners = np.array(
+            [[*corner, 1.0] for corner in product(*zip(self.lo, self.hi, strict=True))]
+        )
+        shifts = [
+            ((self.mount(k) - self.imported_mount(k)) @ corners.T)[:3]
+            for k in range(len(self.mounts))
+        ]
+        greatest: NDArray[np.float64] = np.abs(shifts).max(axis=(0, 2))
+        return greatest
+
+
+def sensor_of(content: dict[str, Any]) -> StoredSensor:
+    """Return a sensor of its JSON."""
+    return StoredSensor(**content | {"lattice": lattice_of(content["lattice"])})
+
+
+def require_rigid(name: str, matrix: Any) -> Matrix:
+    """Return a row-major 4x4 of a rigid transform; raises BadInputError for another matrix."""
+    try:
+        T = np.asarray(matrix, np.float64).reshape(4, 4)
+    except (TypeError, ValueError):
+        raise BadInputError(f"{name}: expected 16 numbers of a 4x4 matrix") from None
+    R = T[:3, :3]
+    if not np.isfinite(T).all() or (T[3] != (0, 0, 0, 1)).any():
+        raise BadInputError(f"{name}: expected a finite matrix with the last row 0 0 0 1")
+    if np.abs(R @ R.T - np.eye(3)).max() > _RIGID_ERROR or np.linalg.det(R) < 0:
+        raise BadInputError(f"{name}: expected a rotation and a translation, got another matrix")
+    return [float(value) for value in T.ravel()]
