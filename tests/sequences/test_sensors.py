@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,22 +12,30 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pointbrush.errors import BadInputError
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
-from pointbrush.samples.geometry import axis_angle, rigid, vec
-from pointbrush.sequences import RecordingInfo, StoredFrame, import_frames, open_sequence, verify
+from pointbrush.sequences import (
+    RecordingInfo,
+    StoredFrame,
+    import_frames,
+    importer,
+    open_sequence,
+    read_manifest,
+    update_manifest,
+    verify,
+)
+from pointbrush.sequences.depth.images import decode_depth
+from pointbrush.sequences.storage.manifest import (
+    VERSION,
+    changed_manifest,
+    checksum,
+    parse_manifest,
+)
+from pointbrush.sequences.wire.decoder import decode_points
+from tests.depth_camera import depth_camera
+from tests.rigs import cloud, corrections, mount, rig
 
 SENSORS = (Sensor("left", "spinning"), Sensor("right", "radar"), Sensor("rear"))
-
-
-def mount(seed: int) -> np.ndarray[Any, Any]:
-    rng = np.random.default_rng([seed, 5])
-    return rigid(axis_angle(vec(*rng.normal(size=3)), rng.uniform(0, 3)), rng.uniform(-4, 4, 3))
-
-
-def cloud(count: int, seed: int, dtype: type = np.float32, **more: Any) -> PointFrame:
-    rng = np.random.default_rng(seed)
-    xyz = rng.normal(0, 3, (count, 3)).astype(dtype)
-    return PointFrame(xyz, rgb=rng.integers(0, 255, (count, 3), np.uint8), **more)
 
 
 def frame_of(counts: dict[int, int], seed: int, dtype: type = np.float32) -> PointFrame:
@@ -79,3 +89,142 @@ def test_frames_come_back_bit_for_bit_per_sensor(
             own = stored.xyz[chunk.first : chunk.first + chunk.count]
             np.testing.assert_array_equal(own.min(axis=0), np.float32(chunk.lo))
             np.testing.assert_array_equal(own.max(axis=0), np.float32(chunk.hi))
+
+
+@pytest.fixture(scope="module")
+def stored_rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("rig") / "s"
+    put([rig(0), rig(2)], target)
+    return target
+
+
+def test_each_depth_camera_has_the_depth_image_that_it_has_alone(
+    stored_rig: Path, tmp_path: Path
+) -> None:
+    stored_error = read_manifest(stored_rig).position_error
+    stored = open_sequence(stored_rig)[0]
+    table = stored.chunk_table
+    for part in stored.parts:
+        mine = np.flatnonzero(table["sensor"] == part.sensor)
+        assert (part.lattice is not None) == (part.type == "depth")
+        chunks = [stored.depth(c, c + 1).tobytes() for c in mine]
+        own = stored.sensor_xyz()[stored.source_index[stored.sensor == part.sensor]]
+        if part.lattice is None:
+            assert not any(map(stored.is_band, mine))
+            assert chunks == [stored.wire(c, c + 1).tobytes() for c in mine]
+            continue
+        assert all(map(stored.is_band, mine))
+        found = decode_depth(part.lattice, chunks)[0]
+        shown = part.lattice.unproject(found.pixel, found.depth)
+        assert np.abs(shown - own).max() <= stored_error
+        [alone] = put([depth_camera(part.sensor)], tmp_path / part.name)
+        assert b"".join(chunks) == alone.depth(0, len(alone.chunks)).tobytes()
+
+
+def test_points_on_the_wire_are_in_the_coordinates_of_their_sensor(stored_rig: Path) -> None:
+    manifest = read_manifest(stored_rig)
+    stored = open_sequence(stored_rig)[1]
+    for chunk in stored.chunks:
+        part = stored.parts[chunk.sensor or 0]
+        data = stored.wire(chunk.index, chunk.index + 1)
+        q = decode_points(data, chunk.count)[:, :6].copy().view("<u2")
+        shown = np.array(chunk.origin) + q * np.array(chunk.scale)
+        T = part.T_frame_sensor
+        placed = shown @ T[:3, :3].T + T[:3, 3]
+        own = stored.xyz[chunk.first : chunk.first + chunk.count]
+        assert np.abs(placed - own).max() <= manifest.position_error
+
+
+def test_a_corrected_mount_moves_the_points_of_its_sensor_only(
+    stored_rig: Path, tmp_path: Path
+) -> None:
+    shutil.copytree(stored_rig, tmp_path / "s")
+    before = open_sequence(tmp_path / "s")
+    files = {path: path.read_bytes() for path in (tmp_path / "s").rglob("*.[pw]*")}
+    trees = before[0].kdtree.data.copy()
+    manifest = update_manifest(tmp_path / "s", corrections=corrections())
+    after = open_sequence(tmp_path / "s")
+    old, new = before[0], after[0]
+    assert after.identity == before.identity
+    assert after.placement != before.placement
+    assert files == {path: path.read_bytes() for path in files}
+    assert verify(tmp_path / "s") == []
+    moved = new.sensor == 1
+    np.testing.assert_array_equal(new.xyz[~moved], old.xyz[~moved])
+    T = mount(1) @ corrections()[1]
+    np.testing.assert_allclose(new.parts[1].T_frame_sensor, T)
+    np.testing.assert_allclose(new.parts[1].viewpoint, T[:3, 3])
+    own = new.sensor_xyz()
+    np.testing.assert_array_equal(own, old.sensor_xyz())
+    placed = own[new.source_index[moved]] @ T[:3, :3].T + T[:3, 3]
+    np.testing.assert_allclose(new.xyz[moved], placed, atol=1e-5)
+    np.testing.assert_array_equal(new.to_source(new.xyz), new.source_xyz())
+    np.testing.assert_array_equal(new.kdtree.data, new.xyz)
+    np.testing.assert_array_equal(old.kdtree.data, trees)
+    # Boxes hold their points, so that selection and the page find all of them.
+    lo, hi = manifest.bounds
+    assert (new.xyz >= lo).all()
+    assert (new.xyz <= hi).all()
+    blocks = new.blocks
+    block = np.repeat(np.arange(blocks.num), np.diff(blocks.first))
+    assert (new.xyz >= blocks.lo[block]).all()
+    assert (new.xyz <= blocks.hi[block]).all()
+    chunk = np.repeat(np.arange(len(new.chunks)), new.chunk_table["count"])
+    assert (new.xyz >= blocks.chunk_lo[chunk]).all()
+    assert (new.xyz <= blocks.chunk_hi[chunk]).all()
+    update_manifest(tmp_path / "s", corrections=[np.eye(4)] * 3)
+    undone = open_sequence(tmp_path / "s")
+    assert undone.placement == before.placement
+    np.testing.assert_array_equal(undone[0].xyz, old.xyz)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ([np.eye(4)] * 2, "one for each of 3 sensors"),
+        ([np.eye(4), np.eye(4), np.diag([2.0, 2, 2, 1])], "correction of top: expected a rotation"),
+        ([np.eye(4), np.full((4, 4), np.nan), np.eye(4)], "correction of right: expected a finite"),
+        ([np.eye(4), np.eye(3), np.eye(4)], "correction of right: expected 16 numbers"),
+    ],
+)
+def test_other_corrections_are_refused(stored_rig: Path, given: Any, words: str) -> None:
+    with pytest.raises(BadInputError, match=words):
+        changed_manifest(read_manifest(stored_rig), corrections=given)
+
+
+def test_mounts_of_each_frame_and_frames_without_a_sensor(tmp_path: Path) -> None:
+    moving = [mount(10), mount(11), mount(12)]
+    frames = []
+    for k, T in enumerate(moving):
+        given = [(FramePart(0, np.eye(4), 1.0 + k), cloud(100, k))]
+        if k != 1:
+            given.append((FramePart(1, T, 1.5 + k), cloud(50 + k, k)))
+        frames.append(join_sensors(SENSORS[:2], given))
+    put(frames, tmp_path / "s")
+    [fixed, other] = read_manifest(tmp_path / "s").sensors
+    assert (len(fixed.mounts), len(other.mounts)) == (1, 3)
+    assert (other.times, other.points) == ([1.5, None, 3.5], [50, 0, 52])
+    recording = open_sequence(tmp_path / "s")
+    assert [[part.sensor for part in stored.parts] for stored in recording] == [[0, 1], [0], [0, 1]]
+    np.testing.assert_array_equal(recording[2].parts[1].T_frame_sensor, moving[2])
+
+
+def test_older_servers_open_recordings_of_one_sensor_only(stored_rig: Path, tmp_path: Path) -> None:
+    import_frames([cloud(10, 0)], tmp_path / "s", RecordingInfo("s", "A scan"))
+    assert json.loads((tmp_path / "s" / "manifest.json").read_bytes())["version"] == 7
+    content = json.loads((stored_rig / "manifest.json").read_bytes())
+    assert content["version"] == VERSION == 8
+    content.pop("checksum")
+    content["version"] = 9
+    data = json.dumps(content | {"checksum": checksum(content)}).encode()
+    with pytest.raises(BadInputError, match="version 1 to 8, got 9, of a newer pointbrush"):
+        parse_manifest(data, "s")
+
+
+def test_large_frames_of_several_sensors_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(importer, "LARGE_POINTS", 100)
+    with pytest.raises(BadInputError, match="at most 100 points in a frame of several sensors"):
+        put([frame_of({0: 60, 1: 60}, 0)], tmp_path / "s")
+    assert not (tmp_path / "s").exists()

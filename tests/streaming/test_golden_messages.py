@@ -62,6 +62,15 @@ SERVER: list[m.Message] = [
             eye=[0.0, 1.5, 0.0],
             unit=0.001,
         ),
+        sensors=[
+            m.SensorInfo(
+                name="links ☃",
+                type="depth",
+                lattice=None,
+                T_frame_sensor=[[float(i) for i in range(16)]],
+                correction=[float(i % 5 == 0) for i in range(16)],
+            )
+        ],
         revision=2**40,
         frame=1,
     ),

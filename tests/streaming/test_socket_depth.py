@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from pointbrush.client import Client
 from pointbrush.sequences import RecordingInfo, Sequence, import_frames, open_sequence
 from pointbrush.sequences.depth.images import decode_depth
 from tests.depth_camera import depth_camera
+from tests.rigs import corrections, mount, rig
 from tests.serving import Served, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import HeldFrame, Message, Viewer, viewer
@@ -26,6 +28,9 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     import_frames(
         frames, settings.workspace / "sequences" / "camera", RecordingInfo("camera", "camera", 30.0)
     )
+    import_frames(
+        [rig(0)], settings.workspace / "sequences" / "rig", RecordingInfo("rig", "rig", 30.0)
+    )
     with serving(settings) as running:
         yield running
 
@@ -35,9 +40,11 @@ def camera(served: Served) -> Sequence:
     return open_sequence(served.workspace.settings.workspace / "sequences" / "camera")
 
 
-async def receive_all(client: Viewer, frame: int) -> tuple[Message, HeldFrame]:
+async def receive_all(
+    client: Viewer, frame: int, sequence: str = "camera"
+) -> tuple[Message, HeldFrame]:
     """The description of the recording, and all points of a frame."""
-    info = await client.open("camera", frame=frame)
+    info = await client.open(sequence, frame=frame)
     while not (frame in client.frames and client.frames[frame].final):
         await client.receive()
     return info, client.frames[frame]
@@ -87,3 +94,48 @@ def test_a_frame_that_is_not_on_the_lattice_comes_as_points(
             assert held.points == camera.manifest.points[1]
 
     run(scenario)
+
+
+def test_a_rig_sends_depth_images_of_its_cameras_and_points_of_its_lidar(served: Served) -> None:
+    stored = open_sequence(served.workspace.settings.workspace / "sequences" / "rig")[0]
+
+    async def scenario() -> None:
+        async with viewer(served.url, served.token, keep_data=True) as client:
+            await client.hello("Anna", depth=True)
+            info, depth = await receive_all(client, 0, "rig")
+            assert kinds_of(client, 0) == {"depth"}
+            assert info["lattice"] is None
+            assert [s["name"] for s in info["sensors"]] == ["left", "right", "top"]
+            assert [s["lattice"] is None for s in info["sensors"]] == [False, False, True]
+            assert info["sensors"][1]["T_frame_sensor"] == [mount(1).ravel().tolist()]
+            assert ["origin" in chunk for chunk in depth.chunks] == [
+                chunk["sensor"] == 2 for chunk in depth.chunks
+            ]
+            assert [c["sensor"] for c in depth.chunks] == stored.chunk_table["sensor"].tolist()
+            served.workspace.update_sequence("rig", corrections=corrections())
+            again = await client.until("sequence")
+            assert again["identity"] != info["identity"]
+            assert np.allclose(
+                np.reshape(again["sensors"][1]["correction"], (4, 4)), corrections()[1]
+            )
+            sent = len(client.log)
+            while not any(m["type"] == "depth" and m["final"] for m in client.log[sent:]):
+                await client.receive()
+            # A page that was away holds points of other mounts.
+            fields = {"revision": info["revision"], "held": [[0, len(stored.chunks)]]}
+            await client.open("rig", identity=info["identity"], **fields)
+            await client.until("depth", frame=0)
+        async with viewer(served.url, served.token, keep_data=True) as client:
+            await client.hello("Bert")
+            _, points = await receive_all(client, 0, "rig")
+            assert kinds_of(client, 0) == {"frame"}
+        assert b"".join(points.data) == stored.wire(0, len(stored.chunks)).tobytes()
+
+    run(scenario)
+    with Client(served.url, served.token) as client:
+        recording = client["rig"]
+        [left, right, top] = recording.manifest.sensors
+        assert (left.type, right.points, top.times) == ("depth", (13568,), (None,))
+        np.testing.assert_allclose(right.mounts[0], mount(1) @ corrections()[1])
+        points = recording.frames[0].points()
+        np.testing.assert_array_equal(points["sensor"], rig(0).sensor)

@@ -48,7 +48,8 @@ class Frame(Part[L]):
     def points(self) -> Steps[dict[str, NDArray[Any]]]:
         """Return arrays of the points: ``xyz`` (N, 3), and ``rgb``, ``intensity`` where stored.
 
-        ``pixel`` (N, 2), row and column in the depth image, if the points were measured in one.
+        ``pixel`` (N, 2), row and column in the depth image, if the points were measured in one;
+        ``sensor`` (N,), number of each point's sensor, if the recording has several.
         """
         answer = yield from self._call("GET", "/points", params={"format": "npz"})
         with np.load(io.BytesIO(answer.content), allow_pickle=False) as stored:

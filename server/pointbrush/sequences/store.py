@@ -40,6 +40,7 @@ class Sequence:
         self.manifest = self.files.manifest()
         self.path = self.files.path
         self.identity = self.manifest.identity
+        self.placement = self.manifest.placement
         self._frames: Cache[int, StoredFrame] = Cache(self.files.open_frames)
 
     def __reduce__(self) -> tuple[type[Sequence], tuple[RecordingFiles]]:

@@ -51,7 +51,7 @@ class StoredFrame:
         self._stored_sensors = manifest.sensors
         self.sensors = tuple(Sensor(each.name, each.type) for each in manifest.sensors)
         self._shift, self._lattice = np.array(manifest.shift), manifest.lattice
-        self._sends_depth = manifest.depth_lattice is not None
+        self._sends_depth = manifest.sends_depth
         pose, viewpoint = manifest.poses[index], manifest.viewpoints[index]
         self.pose = None if pose is None else np.array(pose).reshape(4, 4)
         self.viewpoint = None if viewpoint is None else np.array(viewpoint) - self._shift
@@ -281,6 +281,13 @@ class StoredFrame:
         The chunks are the same points; the first one begins where the encoded points end.
         """
         return self._files.depth_ends if self._sends_depth else None
+
+    def is_band(self, chunk: int) -> bool:
+        """Return whether a chunk of a frame with ``depth_ends`` is a part of a depth image there.
+
+        Chunks of those of several sensors that have none are points there, too.
+        """
+        return not self.sensors or bool(self.chunk_table["depth"][chunk])
 
     def depth(self, first_chunk: int, stop_chunk: int) -> memoryview:
         """The bytes of the same chunks as parts of the frame's depth image; raises DamagedError."""

@@ -125,20 +125,20 @@ def encode_frame(
     """
     chunks = frame.chunks[first:stop]
     start = chunks[0].offset if chunks else 0
-    rows = [
-        _row(chunk, chunk.offset - start, chunk.nbytes, origin=chunk.origin, scale=chunk.scale)
-        for chunk in chunks
-    ]
+    rows = [_point_row(chunk, chunk.offset - start, chunk.nbytes) for chunk in chunks]
     return _points("frame", sequence, frame, rows, frame.wire(first, stop), final=final)
 
 
 def encode_depth(
     sequence: str, frame: StoredFrame, first: int, stop: int, *, final: bool
 ) -> tuple[bytes, memoryview]:
-    """Encode chunks as parts of the frame's depth image: a ``depth`` message."""
+    """Encode chunks as parts of the frame's depth image: a ``depth`` message.
+
+    Chunks of sensors without a depth image are points, as in a ``frame`` message.
+    """
     starts = [frame.depth_start(chunk) for chunk in range(first, stop + 1)]
     rows = [
-        _row(chunk, start - starts[0], end - start)
+        (_row if frame.is_band(chunk.index) else _point_row)(chunk, start - starts[0], end - start)
         for chunk, (start, end) in zip(frame.chunks[first:stop], pairwise(starts), strict=True)
     ]
     return _points("depth", sequence, frame, rows, frame.depth(first, stop), final=final)
@@ -169,7 +169,12 @@ def _points(
     return packer.bytes() + b"\xc6" + len(data).to_bytes(4, "big"), data
 
 
+def _point_row(chunk: Chunk, offset: int, nbytes: int) -> dict[str, Any]:
+    return _row(chunk, offset, nbytes, origin=chunk.origin, scale=chunk.scale)
+
+
 def _row(chunk: Chunk, offset: int, nbytes: int, **grid: Any) -> dict[str, Any]:
+    sensor = {} if chunk.sensor is None else {"sensor": chunk.sensor}
     return {
         "index": chunk.index,
         "level": chunk.level,
@@ -178,6 +183,7 @@ def _row(chunk: Chunk, offset: int, nbytes: int, **grid: Any) -> dict[str, Any]:
         "offset": offset,
         "nbytes": nbytes,
         **grid,
+        **sensor,
         "lo": chunk.lo,
         "hi": chunk.hi,
     }

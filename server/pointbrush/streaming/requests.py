@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import asyncio
 
+import numpy as np
+
 from pointbrush.errors import BadInputError, PointbrushError
 from pointbrush.ranges import runs_of
-from pointbrush.sequences import Lattice
+from pointbrush.sequences import Lattice, Manifest
+from pointbrush.sequences.storage.sensors import StoredSensor
 from pointbrush.streaming import messages
 from pointbrush.streaming.encoding import encode
 from pointbrush.streaming.hub import Hub
@@ -17,13 +20,14 @@ from pointbrush.work.objects.service import Answer
 
 
 async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
-    """Return ``message`` without revision and held frames of another import of the same id.
+    """Return ``message`` without revision and held frames of another import of the same id, or of
+    other mounts of its sensors.
 
     Raises BadInputError for a revision that the database has not reached, and for held frames
     without a revision; NotFoundError for an unknown sequence.
     """
     recording = await hub.read(hub.workspace.recording, message.sequence)
-    if message.identity not in (None, recording.identity):
+    if message.identity not in (None, recording.placement):
         return message.model_copy(update={"revision": None, "held": None})
     if message.revision is None:
         if message.held is not None:
@@ -38,29 +42,45 @@ async def of_this_import(hub: Hub, message: messages.Open) -> messages.Open:
 def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
     """Return the answer to ``open``: the manifest, and the frame that is shown."""
     manifest = room.recording.manifest
+    lo, hi = manifest.bounds
     return messages.SequenceInfo(
         id=manifest.id,
-        identity=room.recording.identity,
+        identity=room.recording.placement,
         name=manifest.name,
         frames=manifest.frames,
         fps=manifest.fps,
         points=list(manifest.points),
         fields=list(manifest.fields),
         shift=list(manifest.shift),
-        lo=list(manifest.lo),
-        hi=list(manifest.hi),
+        lo=lo,
+        hi=hi,
         room=list(manifest.room),
         cameras=room.cameras,
         large=manifest.large,
         position_error=manifest.position_error,
         color_error=manifest.color_error,
-        lattice=None if manifest.depth_lattice is None else _lattice(manifest.depth_lattice),
+        lattice=_lattice(manifest.depth_lattice),
+        sensors=[_sensor(sensor, manifest) for sensor in manifest.sensors],
         revision=room.revision,
         frame=frame,
     )
 
 
-def _lattice(lattice: Lattice) -> messages.Lattice:
+def _sensor(sensor: StoredSensor, manifest: Manifest) -> messages.SensorInfo:
+    mounts = np.reshape(sensor.mounts, (-1, 4, 4))
+    mounts[:, :3, 3] -= manifest.shift
+    return messages.SensorInfo(
+        name=sensor.name,
+        type=sensor.type,
+        lattice=_lattice(sensor.lattice if manifest.sends_depth else None),
+        T_frame_sensor=mounts.reshape(-1, 16).tolist(),
+        correction=sensor.correction,
+    )
+
+
+def _lattice(lattice: Lattice | None) -> messages.Lattice | None:
+    if lattice is None:
+        return None
     return messages.Lattice(
         width=lattice.width,
         height=lattice.height,

@@ -227,7 +227,7 @@ class ViewerSession(Viewer):
             return
         if room is old:
             return
-        if room.recording.identity != old.recording.identity:
+        if room.recording.placement != old.recording.placement:
             self._begin(room, min(self.plan.focus, len(room.recording) - 1))
             self.outbox.mark_all()
         self.outbox.reply(encode(sequence_info(room, self.plan.focus)))

@@ -98,7 +98,7 @@ def interface(name: str, definition: Schema, *, complete: bool, fixed: bool = Fa
     lines = [*comment(definition, ""), f"export interface {name} {{"]
     for field, schema in definition["properties"].items():
         lines += comment(schema, "  ")
-        sent = complete or field in required or field == "type"
+        sent = (complete and not schema.get("omitted")) or field in required or field == "type"
         kind = type_of(schema, readonly)
         lines.append(f"  {readonly}{field}{'' if sent else '?'}: {kind};")
     return "\n".join([*lines, "}\n"])

@@ -7,7 +7,8 @@ from datetime import datetime
 from typing import Annotated
 
 from pointbrush.values.base import Body, Rule, Value
-from pointbrush.values.kinds import Matrix4, Name, Vector
+from pointbrush.values.kinds import Matrix4, Name, SensorType, Vector
+from pointbrush.values.matrices import Pose
 
 Rate = Annotated[float, Rule(gt=0, le=1000, allow_inf_nan=False)]
 
@@ -20,6 +21,25 @@ class Bounds(Value):
     """Corner with the smallest x, y and z, metres."""
     hi: Vector
     """Corner with the greatest x, y and z, metres."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensor(Value):
+    """One of several sensors of a recording."""
+
+    name: str
+    """Its name in the files, or the one that its import gave it."""
+    type: SensorType
+    """Its kind."""
+    mounts: tuple[Pose, ...]
+    """Transform from its coordinates to those of a frame, corrections included: one for all frames,
+    or one for each."""
+    times: tuple[float | None, ...]
+    """Time of its measurement in each frame, seconds; null: unknown."""
+    points: tuple[int, ...]
+    """Number of its points in each frame."""
+    correction: Pose
+    """Part of the mounts that corrects the files': the identity, or a small motion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +98,8 @@ class Manifest(Value):
     """Time of its deletion; null: not deleted."""
     until: datetime | None = None
     """End of the time in which it can be restored."""
+    sensors: tuple[Sensor, ...] = ()
+    """Its sensors, if it has several."""
 
 
 @dataclass(frozen=True, slots=True)

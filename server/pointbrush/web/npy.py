@@ -155,7 +155,8 @@ def _described(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
 def stream_points(blocks: Iterator[Columns], count: int) -> tuple[int, Iterator[bytes]]:
     """A frame's ``count`` points as a structured ``.npy``: its length and its pieces.
 
-    Fields: ``xyz`` (3,), and ``rgb`` (3,) uint8 and ``intensity`` float32 where there are any.
+    Fields: ``xyz`` (3,), and ``rgb`` (3,) uint8, ``intensity`` float32 and ``sensor`` uint8 where
+    there are any.
     """
     first = next(blocks)
     dtype = np.dtype([(name, array.dtype, array.shape[1:]) for name, array in first.items()])

@@ -22,7 +22,7 @@ from pointbrush.work.annotate.layers import KeptAnnotation, require_layer
 Columns = dict[str, NDArray[Any]]
 
 
-SENT = ("xyz", "rgb", "intensity")
+SENT = ("xyz", "rgb", "intensity", "sensor")
 """Columns of a frame's points in REST responses."""
 EXPORTED = (*SENT, "instance")
 VERIFIED_AHEAD = 2 << 30

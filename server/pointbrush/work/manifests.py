@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
+import numpy as np
+
 from pointbrush import sequences
 from pointbrush.labels import Progress
+from pointbrush.sequences.storage.sensors import StoredSensor
 from pointbrush.values.kinds import time_of
-from pointbrush.values.recordings import Bounds, Manifest
+from pointbrush.values.recordings import Bounds, Manifest, Sensor
 from pointbrush.work.deletion import Deleted
 
 NOTHING = Progress()
@@ -66,13 +69,19 @@ def _manifest(
     shift = [float(x) for x in stored.shift]
     created = datetime.fromisoformat(stored.created)
     fields = {
-        "bounds": Bounds(_moved(stored.lo, shift), _moved(stored.hi, shift)),
+        "bounds": Bounds(*(_moved(corner, shift) for corner in stored.bounds)),
+        "sensors": tuple(map(_sensor, stored.sensors)),
         "revision": revision, "shift": shift, "created": created,
         "changed": time_of(changed) or created, "labelled": 0, "labels": 0, "labels_used": 0,
         "damaged": None, "labels_missing": None, "project": "default", "copy_of": None,
         "deleted": None, "until": None,
     }  # fmt: skip
     return Manifest.of(stored, **fields | more)
+
+
+def _sensor(stored: StoredSensor) -> Sensor:
+    mounts = tuple(stored.mount(k) for k in range(len(stored.mounts)))
+    return Sensor.of(stored, mounts=mounts, correction=np.reshape(stored.correction, (4, 4)))
 
 
 def _moved(corner: Sequence[float], shift: Sequence[float]) -> tuple[float, float, float]:

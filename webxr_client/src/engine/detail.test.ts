@@ -8,7 +8,7 @@ function tree(): OctreeNode[] {
   const grow = (x: number, y: number, size: number, parent: number, level: number): void => {
     const index = nodes.length;
     const [lo, hi] = [[x, y, 0] as const, [x + size, y + size, 1] as const];
-    nodes.push(nodeOf({ index, count: 20_000, lo, hi, parent }));
+    nodes.push(nodeOf({ index, count: 20_000, lo, hi, parent, sensor: null }));
     if (level === 3) return;
     for (const [i, j] of [[0, 0], [0, 1], [1, 0], [1, 1]] as const) {
       grow(x + (i * size) / 2, y + (j * size) / 2, size / 2, index, level + 1);

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '230e62d1f2d2';
+export const SCHEMA_HASH = '95b124de4d3b';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -363,7 +363,8 @@ export interface Candidates {
  * Bits 1 and 2 are the number n of low bits that r, g and b have lost:
  * value = v << n | v >> (8 - 2n).  If n = 3, the bytes of r and g are a little-endian word with r
  * (lowest), g and b in 5, 6 and 5 bits.
- * Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
+ * Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift), or
+ * in those of its sensor if there are several.
  */
 export interface Chunk {
   index: number;
@@ -375,6 +376,9 @@ export interface Chunk {
   nbytes: number;
   origin: [number, number, number];
   scale: [number, number, number];
+  /** Number of the sensor of its points; left out if the recording has one sensor. */
+  sensor?: number | null;
+  /** Bounds of its points, local coordinates. */
   lo: [number, number, number];
   hi: [number, number, number];
 }
@@ -396,8 +400,8 @@ export interface Compiling {
 /**
  * Chunks of a frame as parts of a depth image, instead of ``frame``; same chunk numbers.
  *
- * Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks before
- * it.
+ * Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks of its
+ * sensor before it.
  */
 export interface Depth {
   type: 'depth';
@@ -410,7 +414,12 @@ export interface Depth {
   data: Uint8Array;
 }
 
-/** A run of points as a band of a depth image: docs/depth-format.md. */
+/**
+ * A run of points as a band of a depth image: docs/depth-format.md.
+ *
+ * In a recording of several sensors each depth camera has a depth image, and the chunks of other
+ * sensors are points.
+ */
 export interface DepthChunk {
   index: number;
   level: number;
@@ -419,6 +428,13 @@ export interface DepthChunk {
   /** Byte offset in the message's ``data``. */
   offset: number;
   nbytes: number;
+  /** As of `frame`, for a chunk of points; left out for a band of a depth image. */
+  origin?: [number, number, number] | null;
+  /** As of `frame`, for a chunk of points; left out for a band of a depth image. */
+  scale?: [number, number, number] | null;
+  /** Number of the sensor of its points; left out if the recording has one sensor. */
+  sensor?: number | null;
+  /** Bounds of its points, local coordinates. */
   lo: [number, number, number];
   hi: [number, number, number];
 }
@@ -516,11 +532,32 @@ export interface Prepared {
   frame: number;
 }
 
+/**
+ * One of several sensors of a recording.
+ *
+ * Its chunks and its lattice are in its own coordinates.  A point p of it is at
+ * ``T_frame_sensor * correction * p`` in local coordinates.
+ */
+export interface SensorInfo {
+  name: string;
+  /** `depth`: a depth camera; `spinning`: a lidar that turns; `solid-state`: a lidar without a turning head; `radar`: a radar; `unknown`: the files do not tell */
+  type: 'depth' | 'spinning' | 'solid-state' | 'radar' | 'unknown';
+  /** Pixels of its chunks in ``depth`` messages; null: they are points. */
+  lattice: Lattice | null;
+  /** Mount in the frames: one for all, or one for each frame. */
+  T_frame_sensor: number[][];
+  /** Correction of the mounts; the identity: none. */
+  correction: number[];
+}
+
 /** The answer to ``open``; sent again when the manifest changes. */
 export interface SequenceInfo {
   type: 'sequence';
   id: string;
-  /** Id of this import: data of another import is void, even under the same ``id``. */
+  /**
+   * Id of this import and of the corrections of its sensors' mounts: data of another one is void,
+   * even under the same ``id``.
+   */
   identity: string;
   name: string;
   frames: number;
@@ -541,8 +578,10 @@ export interface SequenceInfo {
   position_error: number;
   /** Greatest root mean square difference of a ``depth`` frame's colours from the stored ones. */
   color_error: number;
-  /** The pixels of ``depth`` messages; null: there are no such messages. */
+  /** The pixels of ``depth`` messages; null: there are none, or each sensor has its own. */
   lattice: Lattice | null;
+  /** Sensors by number, if the recording has several; else none. */
+  sensors: SensorInfo[];
   revision: number;
   frame: number;
 }

@@ -194,6 +194,8 @@ export interface Chunk {
   readonly hi: readonly [number, number, number];
   /** Number of the chunk above in an octree; -1: none. */
   readonly parent: number;
+  /** Number of the sensor of its points, in whose coordinates ``origin`` and ``scale`` are; null: the recording has one sensor. */
+  readonly sensor: number | null;
 }
 
 /** All chunks of a frame. */
@@ -687,6 +689,8 @@ export interface Manifest {
   readonly deleted: string | null;
   /** End of the time in which it can be restored. */
   readonly until: string | null;
+  /** Its sensors, if it has several. */
+  readonly sensors: readonly Sensor[];
 }
 
 /** Edit that labels points from masks. */
@@ -939,6 +943,22 @@ export interface SecretWebhook {
   readonly paused_until: string | null;
   /** Secret that signs its events. */
   readonly secret: string;
+}
+
+/** One of several sensors of a recording. */
+export interface Sensor {
+  /** Its name in the files, or the one that its import gave it. */
+  readonly name: string;
+  /** Its kind. `depth`: a depth camera; `spinning`: a lidar that turns; `solid-state`: a lidar without a turning head; `radar`: a radar; `unknown`: the files do not tell */
+  readonly type: 'depth' | 'spinning' | 'solid-state' | 'radar' | 'unknown';
+  /** Transform from its coordinates to those of a frame, corrections included: one for all frames, or one for each. */
+  readonly mounts: readonly (readonly number[])[];
+  /** Time of its measurement in each frame, seconds; null: unknown. */
+  readonly times: readonly (number | null)[];
+  /** Number of its points in each frame. */
+  readonly points: readonly number[];
+  /** Part of the mounts that corrects the files': the identity, or a small motion. */
+  readonly correction: readonly number[];
 }
 
 /** A version of a project's labels. */

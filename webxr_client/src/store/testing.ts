@@ -30,5 +30,6 @@ export function recordingRow(id: string, name = id): SequenceSummary {
     source: '',
     deleted: null,
     until: null,
+    sensors: [],
   };
 }

@@ -125,7 +125,12 @@ class Manifest:
     @property
     def depth_lattice(self) -> Lattice | None:
         """The lattice of depth images that can be sent, or None."""
-        return self.lattice if self.depth_format == DEPTH_FORMAT else None
+        return self.lattice if self.sends_depth else None
+
+    @property
+    def sends_depth(self) -> bool:
+        """Return whether the frames' depth images, if they have some, can be sent."""
+        return self.depth_format == DEPTH_FORMAT
 
     @property
     def T_room_local(self) -> NDArray[np.float64]:  # noqa: N802 - named for its direction

@@ -23,6 +23,7 @@ from pointbrush.streaming.messages.values import (
     Message,
     Pose,
     Role,
+    SensorInfo,
     Share,
     Uuid,
     Vec3,
@@ -50,7 +51,8 @@ class SequenceInfo(Message):
     type: Literal["sequence"] = "sequence"
     id: Id
     identity: Id
-    """Id of this import: data of another import is void, even under the same ``id``."""
+    """Id of this import and of the corrections of its sensors' mounts: data of another one is void,
+    even under the same ``id``."""
     name: str
     frames: Count
     fps: float
@@ -71,7 +73,9 @@ class SequenceInfo(Message):
     color_error: float
     """Greatest root mean square difference of a ``depth`` frame's colours from the stored ones."""
     lattice: Lattice | None
-    """The pixels of ``depth`` messages; null: there are no such messages."""
+    """The pixels of ``depth`` messages; null: there are none, or each sensor has its own."""
+    sensors: list[SensorInfo]
+    """Sensors by number, if the recording has several; else none."""
     revision: Count
     frame: FrameIndex
 
@@ -96,8 +100,8 @@ class Frame(Message):
 class Depth(Message):
     """Chunks of a frame as parts of a depth image, instead of ``frame``; same chunk numbers.
 
-    Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks before
-    it.
+    Sent to clients that set ``depth`` in ``hello``.  A chunk needs the depths of all chunks of its
+    sensor before it.
     """
 
     type: Literal["depth"] = "depth"

@@ -20,6 +20,7 @@ from pointbrush.values.kinds import Finite as Finite
 from pointbrush.values.kinds import FrameIndex as FrameIndex
 from pointbrush.values.kinds import LabelId as LabelId
 from pointbrush.values.kinds import Role as Role
+from pointbrush.values.kinds import SensorType as SensorType
 from pointbrush.values.kinds import Share as Share
 from pointbrush.values.kinds import Uuid as Uuid
 
@@ -97,8 +98,38 @@ class Lattice(Message):
     unit: Finite
 
 
+def _omitted(description: str) -> Any:
+    """Return the field of a piece of a message that is left out where it does not apply."""
+    return Field(None, description=description, json_schema_extra={"omitted": True})
+
+
+_SENSOR = "Number of the sensor of its points; left out if the recording has one sensor."
+_POINTS = "As of `frame`, for a chunk of points; left out for a band of a depth image."
+
+
+class SensorInfo(Message):
+    """One of several sensors of a recording.
+
+    Its chunks and its lattice are in its own coordinates.  A point p of it is at
+    ``T_frame_sensor * correction * p`` in local coordinates.
+    """
+
+    name: str
+    type: SensorType
+    lattice: Lattice | None
+    """Pixels of its chunks in ``depth`` messages; null: they are points."""
+    T_frame_sensor: list[Matrix4]
+    """Mount in the frames: one for all, or one for each frame."""
+    correction: Matrix4
+    """Correction of the mounts; the identity: none."""
+
+
 class DepthChunk(Message):
-    """A run of points as a band of a depth image: docs/depth-format.md."""
+    """A run of points as a band of a depth image: docs/depth-format.md.
+
+    In a recording of several sensors each depth camera has a depth image, and the chunks of other
+    sensors are points.
+    """
 
     index: Count
     level: Annotated[int, Field(ge=0, le=64)]
@@ -107,7 +138,11 @@ class DepthChunk(Message):
     offset: Count
     """Byte offset in the message's ``data``."""
     nbytes: Count
+    origin: Vec3 | None = _omitted(_POINTS)
+    scale: Vec3 | None = _omitted(_POINTS)
+    sensor: Count | None = _omitted(_SENSOR)
     lo: Vec3
+    """Bounds of its points, local coordinates."""
     hi: Vec3
 
 
@@ -119,7 +154,8 @@ class Chunk(Message):
     Bits 1 and 2 are the number n of low bits that r, g and b have lost:
     value = v << n | v >> (8 - 2n).  If n = 3, the bytes of r and g are a little-endian word with r
     (lowest), g and b in 5, 6 and 5 bits.
-    Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift).
+    Position = ``origin + q * scale``, in the sequence's local coordinates (source minus shift), or
+    in those of its sensor if there are several.
     """
 
     index: Count
@@ -131,7 +167,9 @@ class Chunk(Message):
     nbytes: Count
     origin: Vec3
     scale: Vec3
+    sensor: Count | None = _omitted(_SENSOR)
     lo: Vec3
+    """Bounds of its points, local coordinates."""
     hi: Vec3
 
 

@@ -28,7 +28,7 @@ FILES_SHARE = 8
 """Divisor of the process's limit of open files that gives the limit of mapped frames."""
 
 Key = tuple[str, str]
-"""A recording's id, as in messages, and the identity of its import."""
+"""A recording's id, as in messages, and its ``placement``."""
 PointsMessage = tuple[bytes, memoryview]
 """A ``frame`` or ``depth`` message in two parts: its head, and a view of the map."""
 Ready = tuple[int, bytes, PointsMessage]
@@ -111,7 +111,7 @@ class Stock:
         run: Callable[..., Awaitable[Any]],
     ) -> None:
         """``run(function, *args)`` awaits ``function`` in a worker thread."""
-        self.key: Key = recording.manifest.id, recording.identity
+        self.key: Key = recording.manifest.id, recording.placement
         self._recording, self._values = recording, values
         self._shelf, self._run = shelf, run
         self._opening: dict[int, asyncio.Task[OpenFrame]] = {}

@@ -38,7 +38,7 @@ from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.annotate.layers import require_layer
 from pointbrush.work.annotate.overlays import Placement as LocalPlacement
 from pointbrush.work.annotate.overlays import placements_round
-from pointbrush.work.exporting import source_columns
+from pointbrush.work.exporting import SENT, source_columns
 from pointbrush.workspace import Workspace
 
 router = resource("frames")
@@ -76,13 +76,14 @@ def get_points(
 ) -> Response:
     """Return all points in source order and coordinates: structured ``.npy``, or ``.npz``.
 
-    The ``.npz`` has ``pixel`` (N, 2), row and column, for points of a depth image.
+    ``sensor`` is the number of each point's sensor, if the recording has several.  The ``.npz`` has
+    ``pixel`` (N, 2), row and column, for points of a depth image.
     """
     frame = workspace.recording(seq)[i]
     if format == "npz":
         fields = {
             name: _column(workspace, seq, i, name)
-            for name in ("xyz", "rgb", "intensity")
+            for name in SENT
             if getattr(frame, name) is not None
         }
         if (pixel := workspace.masks.pixel(seq, i)) is not None:

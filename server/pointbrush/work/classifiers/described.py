@@ -77,14 +77,14 @@ class DescribedFrames:
         stored = recording[frame]
         if stored.count <= self._options.whole_points:
             whole = partial(self.whole, recording, frame, size)
-            yield Part((recording.identity, frame, size, ()), np.arange(stored.count), whole)
+            yield Part((recording.placement, frame, size, ()), np.arange(stored.count), whole)
             return
         left = points
         while len(left):
             place = np.asarray(stored.coordinates[left[:1]], np.float64)[0]
             cube, members = self._near(recording, frame, size, place, self._options.taught_points)
             made = partial(self._describe, recording, frame, size, members)
-            yield Part((recording.identity, frame, size, cube), members, made)
+            yield Part((recording.placement, frame, size, cube), members, made)
             left = left[1:][~np.isin(left[1:], members, kind="sort")]
 
     def _near(
@@ -112,7 +112,7 @@ class DescribedFrames:
         self, recording: Recording, frame: int, size: float, cube: tuple[int, ...],
         members: Numbers | None,
     ) -> tuple[Described, Numbers]:  # fmt: skip
-        key = (recording.identity, frame, size, cube)
+        key = (recording.placement, frame, size, cube)
         known = self._kept.known(key)
         if known is not None:
             return known

@@ -103,7 +103,7 @@ class Predictor:
         self, classifier: Classifier, recording: Recording, frame: int
     ) -> tuple[Described, Chances]:
         """Return the prediction for a frame that others are compared with; cached."""
-        key = (classifier, recording.identity, frame)
+        key = (classifier, recording.placement, frame)
         known = self._voting
         if known is None or known[0] != key:
             place = self._frames.whole(recording, frame, classifier.size)

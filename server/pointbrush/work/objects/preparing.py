@@ -30,7 +30,7 @@ from pointbrush.work.prepare import ensure_compiled
 logger = logging.getLogger(__name__)
 
 Wish = tuple[str, int]
-"""An import's identity and a frame of it."""
+"""A recording's ``placement`` and a frame of it."""
 Done = Callable[[Recording, int, object], None]
 """Called with a prepared frame's state, or None if it is on disk."""
 
@@ -119,7 +119,7 @@ class Preparer:
         """Queue frames for preparation, in their order."""
         with self._changed:
             for frame in reversed(frames):
-                wish = (recording.identity, frame)
+                wish = (recording.placement, frame)
                 if wish in self._failed or wish == self._working:
                     continue
                 self._wishes[wish] = (recording, frame)
@@ -135,7 +135,7 @@ class Preparer:
 
     def failed(self, recording: Recording, frame: int) -> bool:
         """Return whether the preparation of a frame has failed."""
-        return (recording.identity, frame) in self._failed
+        return (recording.placement, frame) in self._failed
 
     def close(self) -> None:
         """End the process and the thread."""
@@ -156,11 +156,11 @@ class Preparer:
                 if self._closed:
                     return
                 self._pool = None
-                self._failed.add((recording.identity, frame))
+                self._failed.add((recording.placement, frame))
                 logger.warning("frame %d is not prepared for the object tool: %s", frame, error)
             except Exception:
                 # A plug-in may raise any error; the tool then uses points around a click.
-                self._failed.add((recording.identity, frame))
+                self._failed.add((recording.placement, frame))
                 logger.exception("frame %d is not prepared for the object tool", frame)
             finally:
                 self._working = None
@@ -181,7 +181,7 @@ class Preparer:
             state = selector.prepare(object_frame(recording[frame], recording.manifest))
             self._done(recording, frame, state)
             return
-        target = self._files.path(recording.identity, name, selector.version, frame)
+        target = self._files.path(recording.placement, name, selector.version, frame)
         if not target.exists():
             if self._pool is None:
                 self._pool = local_processes(1)

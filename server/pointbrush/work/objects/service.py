@@ -247,7 +247,7 @@ class Objects:
         return sorted(kept | clicks.hidden)
 
     def _version(self, recording: Recording, frame: int) -> Version:
-        return recording.identity, frame, self._store.changed(recording.manifest.id, frame)
+        return recording.placement, frame, self._store.changed(recording.manifest.id, frame)
 
     def _allowed(self, recording: Recording, frame: int, clicks: Clicks, level: Level) -> Level:
         """Return the candidate without points that a stroke with ``clicks`` must not change."""

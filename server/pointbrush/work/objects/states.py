@@ -126,12 +126,12 @@ class States:
     def _state(self, recording: Recording, frame: int) -> Any | None:
         if recording[frame].count > self._options.whole_points:
             return None
-        key = (recording.identity, frame)
+        key = (recording.placement, frame)
         found = self._states.known(key)
         chosen = self._selectors.of(recording.manifest.id)
         if found is not None or not isinstance(chosen.selector, StoredSelector):
             return found
-        path = self._files.path(recording.identity, chosen.name, chosen.selector.version, frame)
+        path = self._files.path(recording.placement, chosen.name, chosen.selector.version, frame)
         try:
             size = path.stat().st_size
             state = chosen.selector.load(path)
@@ -157,18 +157,20 @@ class States:
 
     def _forget(self, recording: Recording, frame: int) -> None:
         """Prepare a frame again after its selector has lost the state."""
-        self._states.drop((recording.identity, frame))
+        self._states.drop((recording.placement, frame))
         self._near.drop(*self._near.held())
         chosen = self._selectors.of(recording.manifest.id)
         if isinstance(chosen.selector, StoredSelector):
-            path = self._files.path(recording.identity, chosen.name, chosen.selector.version, frame)
+            path = self._files.path(
+                recording.placement, chosen.name, chosen.selector.version, frame
+            )
             path.unlink(missing_ok=True)
         self._expect(recording, frame)
 
     def _prepared(self, recording: Recording, frame: int, state: object) -> None:
         if state is not None:
             size = max(recording[frame].count * 16, 1)
-            self._states.get((recording.identity, frame), lambda: state, size=size)
+            self._states.get((recording.placement, frame), lambda: state, size=size)
         self._publish(Prepared(recording.manifest.id, frame))
 
     def _near_by(
@@ -194,7 +196,7 @@ class States:
         self, recording: Recording, frame: int, points: Points, positives: Floats
     ) -> _Near:
         middle = positives.mean(axis=0)
-        frame_key = (recording.identity, frame)
+        frame_key = (recording.placement, frame)
         for key in self._near.held():
             known = self._near.known(key) if key[:2] == frame_key else None
             if known and np.abs(positives - known.middle).max() < 0.5 * known.reach:

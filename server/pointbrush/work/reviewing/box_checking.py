@@ -64,7 +64,7 @@ class BoxChecker:
             if not visible:
                 continue
             key = (changes.get(frame, 0), *(_key(box, frame) for box in visible))
-            place = (recording.identity, frame)
+            place = (recording.placement, frame)
             known = self._known.known(place)
             if known is None or known[0] != key:
                 try:

@@ -27,7 +27,7 @@ def sensor_of(recording: Sequence) -> KnownSensor:
     A damaged file is replaced; in a read-only folder nothing is cached.
     """
     path = recording.path / SENSOR
-    key = {"version": VERSION, "identity": recording.identity}
+    key = {"version": VERSION, "identity": recording.placement}
     try:
         return _decoded(path.read_bytes(), key)
     except FileNotFoundError:
