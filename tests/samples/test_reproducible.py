@@ -22,6 +22,8 @@ from pointbrush import samples
 from pointbrush.samples.aerial import AerialOptions, aerial_tile
 from pointbrush.samples.generating import generate, small_camera
 from pointbrush.samples.reproducible import asin, atan2, cos, cosines, sin, sines
+from pointbrush.samples.sensor import KINECT
+from pointbrush.samples.stage import Stage, StageOptions
 from pointbrush_samples.contacts import contact_view
 from pointbrush_samples.driving import drive
 from pointbrush_samples.scanning import FUSED, WIDE, Labelled, home_scan, room_scan, room_view
@@ -39,6 +41,7 @@ HASHES: Mapping[str, str] = {
     "3-pins": "ac8cfeaa090b247d",
     "tabletop": "ac67ab52fce618fb",
     "walking": "4d8f580bfd00c0eb",
+    "stage": "e158eb8385313ed4",
     "aerial": "dd276f2fee4a2bba",
     "room": "9b9c750107d8b422",
     "home": "491f3fdfb4f0458b",
@@ -77,6 +80,14 @@ def recorded(kind: str, **options: object) -> Iterator[np.ndarray]:
         yield from poses
 
 
+def staged() -> Iterator[np.ndarray]:
+    options = StageOptions(error_metres=0.02, error_degrees=2.0)
+    made = Stage(2, 2, options, camera=small_camera(KINECT, 3))
+    for i in range(2):
+        yield from (made.frame(i).xyz, made.frame(i).rgb, made.truth[i])
+    yield from (*made.true_mounts, *made.mounts)
+
+
 def labelled(*made: Labelled) -> Iterator[np.ndarray]:
     for each in made:
         colours = each.frame.intensity if each.frame.rgb is None else each.frame.rgb
@@ -102,6 +113,7 @@ KINDS = {
     "3-pins": lambda: recorded("juggling", pins=3, passing=False, held=2),
     "tabletop": lambda: recorded("tabletop", label_people=True),
     "walking": lambda: recorded("walking", boxes=2),
+    "stage": staged,
     "aerial": tile,
     "room": lambda: labelled(room_scan(2, 20_000, views=2)),
     "home": lambda: labelled(home_scan(2, replace(FUSED, points=20_000, views=3))),

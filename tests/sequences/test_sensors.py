@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pointbrush.errors import BadInputError
+from pointbrush.formats import read
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.sequences import (
     RecordingInfo,
@@ -119,6 +120,16 @@ def test_each_depth_camera_has_the_depth_image_that_it_has_alone(
         assert np.abs(shown - own).max() <= stored_error
         [alone] = put([depth_camera(part.sensor)], tmp_path / part.name)
         assert b"".join(chunks) == alone.depth(0, len(alone.chunks)).tobytes()
+
+
+def test_real_depth_cameras_take_at_most_a_byte_a_point_each(shared: Path, tmp_path: Path) -> None:
+    frames = list(read(shared / "realdata" / "pcl_kinect3"))[:2]
+    given = [(FramePart(k, mount(k)), frames[k]) for k in range(2)]
+    [stored] = put([join_sensors(SENSORS[:2], given)], tmp_path / "s")
+    ends = [stored.depth_start(chunk) for chunk in range(len(stored.chunks) + 1)]
+    for sensor in range(2):
+        mine = stored.chunk_table["sensor"] == sensor
+        assert np.diff(ends)[mine].sum() <= 1.0 * len(frames[sensor])
 
 
 def test_points_on_the_wire_are_in_the_coordinates_of_their_sensor(stored_rig: Path) -> None:

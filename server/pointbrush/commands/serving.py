@@ -13,7 +13,7 @@ from pointbrush.commands.places import finished
 if TYPE_CHECKING:
     from pointbrush.commands.local import LocalClient
 
-SAMPLES = ("juggling", "aerial")
+SAMPLES = ("juggling", "stage", "aerial")
 """Sample recordings of `pointbrush demo`."""
 
 

@@ -22,6 +22,7 @@ from pointbrush.samples.crowd import CrowdOptions, CrowdScene
 from pointbrush.samples.jugglers import JugglingOptions, JugglingScene
 from pointbrush.samples.recording import LabelInfo, Lazy, Recording, Scene
 from pointbrush.samples.sensor import FPS, Sensor
+from pointbrush.samples.stage import Stage, StageOptions
 from pointbrush.samples.tabletop import TabletopOptions, TabletopScene
 from pointbrush.samples.walkers import WalkingOptions, WalkingScene
 
@@ -89,13 +90,15 @@ class Aerial:
         return Lazy(self.count, lambda i: replace(aerial_tile(self.seed + i), label=None))
 
 
-def sample(kind: str, seed: int, frames: int) -> Recording | Aerial:
+def sample(kind: str, seed: int, frames: int) -> Recording | Aerial | Stage:
     """Return a sample of a kind; raises BadInputError for an unknown one.
 
     ``frames``: number of frames, or of tiles of land, at most four.
     """
     if kind == "aerial":
         return Aerial(seed, min(frames, MOST_TILES))
+    if kind == "stage":
+        return Stage(seed, frames, StageOptions())
     return generate(kind, seed=seed, frames=frames)
 
 

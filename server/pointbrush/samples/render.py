@@ -93,7 +93,7 @@ class Caster:
             patch = np.ascontiguousarray(rays[:, window[0], window[1]]).reshape(3, -1)
             d = matmul(to_unit.astype(np.float32), patch)
             t = solid.shape.hit(o, d).reshape(depth[window].shape)
-            nearer = t < depth[window]
+            nearer = (t < depth[window]) & (t > 0)  # not behind a camera beside the solid
             depth[window][nearer] = t[nearer]
             owner[window][nearer] = number
 
