@@ -299,7 +299,10 @@ class Workspace:
         return thumbnails.thumbnail(recording[frame], recording.manifest.T_room_local)
 
     def update_sequence(self, sequence: str, **fields: Any) -> Manifest:
-        """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
+        """Change ``name``, ``fps``, ``room`` or ``corrections`` of mounts of a recording.
+
+        See ``sequences.storage.manifest.changed_manifest``.
+        """
         manifest = self.library.update(sequence, **fields)
         self._listeners.notify(SequencesChanged(sequence))
         return manifest

@@ -51,21 +51,7 @@ def encode_sensors(frame: PointFrame, grid: Grid) -> Encoded:
     pieces.sort(key=lambda piece: int(piece.row["level"]))  # stable: then by sensor
     order = np.concatenate([np.empty(0, np.int64), *(piece.order for piece in pieces)])
     table = _table(pieces)
-    first = np.append(table["first"], len(order))
-    own = frame.xyz if frame.sensor_xyz is None else frame.sensor_xyz
-    origin = np.zeros(3)
-    xyz = to_local(own.take(order, axis=0), origin)
-    arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
-    exact = residual(own.take(order, axis=0), xyz, origin) if len(order) else None
-    if exact is not None:
-        arrays["residual"] = exact
-    local = to_local(frame.xyz.take(order, axis=0), grid.shift)
-    blocks = block_arrays(local, first)
-    if len(table):
-        starts = blocks["block_of_chunk"][:-1]
-        table["lo"] = np.minimum.reduceat(blocks["block_lo"], starts)
-        table["hi"] = np.maximum.reduceat(blocks["block_hi"], starts)
-    arrays |= {**columns_of(frame, order), "chunks": table, **blocks}
+    arrays, local = _arrays(frame, order, table, grid)
     wire = [piece.points for piece in pieces]
     if table["depth"].any():
         best = [piece.best for piece in pieces]
@@ -81,6 +67,33 @@ def encode_sensors(frame: PointFrame, grid: Grid) -> Encoded:
         max((one.side_error for one in encoded), default=0.0),
         max((one.color_error for one in encoded), default=0.0),
     )
+
+
+def _arrays(
+    frame: PointFrame, order: NDArray[np.int64], table: NDArray[Any], grid: Grid
+) -> tuple[dict[str, NDArray[Any]], NDArray[np.float32]]:
+    """Return the stored arrays, and local coordinates (N, 3); fill in the bounds of ``table``."""
+    own = (frame.xyz if frame.sensor_xyz is None else frame.sensor_xyz).take(order, axis=0)
+    xyz = to_local(own, np.zeros(3))
+    exact = residual(own, xyz, np.zeros(3))
+    local = to_local(place_chunks(own, table, _mounts(frame), frame.xyz.dtype), grid.shift)
+    blocks = block_arrays(local, np.append(table["first"], len(order)))
+    if len(table):
+        starts = blocks["block_of_chunk"][:-1]
+        table["lo"] = np.minimum.reduceat(blocks["block_lo"], starts)
+        table["hi"] = np.maximum.reduceat(blocks["block_hi"], starts)
+    arrays: dict[str, NDArray[Any]] = {"xyz": xyz, "source_index": order.astype(np.uint32)}
+    if exact is not None:
+        arrays["residual"] = exact
+    return arrays | {**columns_of(frame, order), "chunks": table, **blocks}, local
+
+
+def _mounts(frame: PointFrame) -> NDArray[np.float64]:
+    """Return the mounts (S, 4, 4) of all sensors, the identity for those without a part."""
+    mounts = np.tile(np.eye(4), (len(frame.sensors), 1, 1))
+    for part in frame.parts:
+        mounts[part.sensor] = part.T_frame_sensor
+    return mounts
 
 
 def _encode_part(frame: PointFrame, part: FramePart, grid: Grid) -> Encoded:

@@ -108,7 +108,7 @@ class Library:
         return self._may_be(sequence) and self.store.has(sequence)
 
     def update(self, sequence: str, **fields: Any) -> Manifest:
-        """Change ``name``, ``fps`` or ``room`` (4x4 T_room_local) of a recording."""
+        """Change fields of a recording's manifest; see ``changed_manifest``."""
         self.recording(sequence)
         self.require_writable()
         with self._lock:

@@ -214,7 +214,7 @@ def get_chunk(
     Without it the URL may later belong to another recording, so caches must revalidate it.
     """
     recording = workspace.recording(seq)
-    if identity not in (None, recording.identity):
+    if identity not in (None, recording.identity, recording.placement):
         raise NotFoundError(f"identity: expected {recording.identity}, got {identity}")
     data = recording[i].wire(c, c + 1)
     tag = f'"{recording.identity}-{i}-{c}"'
