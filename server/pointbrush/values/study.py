@@ -1,0 +1,447 @@
+"""Studies of labelling: a study, its participants, their steps, and the log of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Annotated, Literal
+
+from pointbrush.values.base import Body, Complete, Meanings, Rule, Value
+from pointbrush.values.kinds import FrameRange, Name, SequenceName, Share
+
+MOST_RECORDS = 1_000
+"""Records of one call: half a minute of poses at 30 Hz."""
+LONGEST_LOG = 1_000_000
+"""Records of one participant: nine hours of poses at 30 Hz."""
+MOST_PARTICIPANTS = 1_000
+"""Participants of one study."""
+LONGEST_YAML = 1 << 22
+"""Characters of a study's file, which may contain pictures."""
+
+Prose = Annotated[str, Rule(max_length=10_000)]
+"""Text that participants read; an empty line begins a paragraph."""
+Word = Annotated[str, Rule(min_length=1, max_length=64, pattern=r"^[\w .:/+-]+$")]
+Picture = Annotated[
+    str,
+    Rule(max_length=400_000, pattern=r"^(data:image/(png|jpeg|webp);base64,[A-Za-z0-9+/=]+)?$"),
+]
+Seconds = Annotated[float, Rule(gt=0, le=86_400, allow_inf_nan=False)]
+Number = Annotated[float, Rule(ge=-1e12, le=1e12, allow_inf_nan=False)]
+Pose = Annotated[tuple[Number, ...], Rule(min_length=7, max_length=7)]
+"""Position (metres) and quaternion (x, y, z, w) in the coordinates of the recording."""
+
+Device = Annotated[
+    Literal["desk", "headset"],
+    Meanings({"desk": "the page in a window", "headset": "the page in a headset"}),
+]
+Input = Annotated[
+    Literal["mouse", "controller", "hands", "look-and-pinch"],
+    Meanings(
+        {
+            "mouse": "mouse and keyboard",
+            "controller": "controllers of a headset",
+            "hands": "tracked hands",
+            "look-and-pinch": "gaze and a pinch of the fingers",
+        }
+    ),
+]
+Scoring = Annotated[
+    Literal["sus", "tlx", "own"],
+    Meanings(
+        {
+            "sus": "System Usability Scale, 0 to 100",
+            "tlx": "raw NASA-TLX, mean of six scales, 0 to 100",
+            "own": "own items, each reported as answered",
+        }
+    ),
+]
+StepKind = Annotated[
+    Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"],
+    Meanings(
+        {
+            "consent": "the text to agree to",
+            "instructions": "the condition begins",
+            "practice": "a task that is not measured",
+            "task": "a task that is measured",
+            "questionnaire": "items to answer",
+            "pause": "the experimenter has paused the session",
+            "done": "the session is finished",
+        }
+    ),
+]
+Phase = Annotated[
+    Literal["navigation", "painting", "waiting"],
+    Meanings(
+        {
+            "navigation": "the view moves",
+            "painting": "a trigger or button is held to label",
+            "waiting": "neither",
+        }
+    ),
+]
+RecordKind = Annotated[
+    Literal[
+        "stroke",
+        "click",
+        "undo",
+        "redo",
+        "level",
+        "label",
+        "playback",
+        "pose",
+        "frame_time",
+        "device",
+        "phase",
+    ],  # fmt: skip
+    Meanings(
+        {
+            "stroke": "an edit of a brush: `id`, `tool`, `shape`, `label`, `frame`",
+            "click": "a click of the object tool: `shape` positive or negative, `label`, `frame`",
+            "undo": "the last edit was undone",
+            "redo": "the last undone edit was redone",
+            "level": "another `level` of the object tool's candidates",
+            "label": "another `label` was chosen",
+            "playback": "`action` play, pause, step or seek, and the `frame` it leads to",
+            "pose": "poses at 30 Hz: `head` (at the desk the camera), `left`, `right`",
+            "frame_time": "the last second: `mean_ms`, `p95_ms`, `dropped`",
+            "device": "the device, once a session: `profile`",
+            "phase": "another `phase` began",
+        }
+    ),
+]
+ParticipantState = Annotated[
+    Literal["waiting", "running", "paused", "done"],
+    Meanings(
+        {
+            "waiting": "has not begun",
+            "running": "works on a step",
+            "paused": "the experimenter has paused the session",
+            "done": "has finished the last step",
+        }
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Condition(Body, Complete):
+    """One way of labelling that the study compares."""
+
+    name: Word
+    """Name in results."""
+    device: Device = "desk"
+    """Device of the participant."""
+    input: Input = "mouse"
+    """Input of the participant."""
+    tools: Annotated[tuple[Word, ...], Rule(max_length=32)] = ()
+    """Names of the page's tools that are shown; empty: all."""
+    hints: bool = True
+    """The page shows hints."""
+    instructions: Prose = ""
+    """Text before the first task of the condition."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyTask(Body, Complete):
+    """Labels to reach in some frames of a recording."""
+
+    name: Word
+    """Name in results."""
+    recording: SequenceName
+    """Id of the recording; each participant labels a copy of it without labels."""
+    sample: Annotated[str, Rule(max_length=64)] = ""
+    """Generated sample that becomes the recording if it does not exist; empty: none."""
+    frames: FrameRange = ":"
+    """Frames ``I:J`` to label, J not included."""
+    labels: Annotated[tuple[Name, ...], Rule(min_length=1, max_length=100)]
+    """Names of the labels to reach, of the recording's palette."""
+    truth: Annotated[str, Rule(max_length=64)] = ""
+    """Id of a snapshot or of a recording with the same points, whose labels are the ground truth;
+    empty: the labels of the recording itself."""
+    time_limit_s: Seconds | None = None
+    """Time after which the task ends, seconds without pauses; null: none."""
+    stop: Literal["button", "time", "iou"] = "button"
+    """Event that ends the task: the participant's button, the time limit, or ``target_iou``.  The
+    time limit always ends it."""
+    target_iou: Share = 0.9
+    """Mean IoU of the labels at which a task with ``stop`` iou ends."""
+    instructions: Prose = ""
+    """Text before the task."""
+    picture: Picture = ""
+    """Picture beside the instructions, as a data URL; empty: a thumbnail of the recording."""
+    practice: bool = False
+    """The task is practice: it comes first in each condition and is not in the results."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QuestionItem(Body, Complete):
+    """One item of a questionnaire: a scale."""
+
+    text: Annotated[str, Rule(min_length=1, max_length=500)]
+    """Statement or question."""
+    low: Annotated[str, Rule(max_length=100)] = ""
+    """Text at the low end of the scale."""
+    high: Annotated[str, Rule(max_length=100)] = ""
+    """Text at the high end of the scale."""
+    steps: Annotated[int, Rule(ge=2, le=101)] = 5
+    """Number of positions of the scale; answers are 1 to ``steps``."""
+    reversed: bool = False
+    """A high answer counts as a low one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Questionnaire(Body, Complete):
+    """Items that are answered after each condition or at the end of the study."""
+
+    name: Word
+    """Name in results."""
+    scoring: Scoring = "own"
+    """Scoring of the answers; ``sus`` and ``tlx`` without items have the published ones."""
+    title: Annotated[str, Rule(max_length=200)] = ""
+    """Heading of the page; empty: the name."""
+    items: Annotated[tuple[QuestionItem, ...], Rule(max_length=100)] = ()
+    """The items in order."""
+    after: Literal["condition", "study"] = "condition"
+    """Time of the questionnaire."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Study(Body, Complete):
+    """A study, as its file ``studies/ID.yaml`` in the workspace describes it."""
+
+    title: Name
+    """Title that participants see."""
+    consent: Prose = ""
+    """Text to which participants agree first; empty: no such step."""
+    conditions: Annotated[tuple[Condition, ...], Rule(min_length=1, max_length=12)]
+    """Ways of labelling to compare."""
+    design: Literal["within", "between"] = "within"
+    """Conditions of a participant: all (``within``) or one (``between``)."""
+    order: Literal["latin", "random"] = "latin"
+    """Order of the conditions: a balanced Latin square by the participants' numbers, or random."""
+    seed: Annotated[int, Rule(ge=0, lt=2**31)] = 1
+    """Seed of the random order and of the bootstrap."""
+    tasks: Annotated[tuple[StudyTask, ...], Rule(min_length=1, max_length=50)]
+    """Tasks of each condition, in order; practice comes first."""
+    questionnaires: Annotated[tuple[Questionnaire, ...], Rule(max_length=20)] = ()
+    """Questionnaires in order."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewStudy(Body):
+    """A study to be created: from a value, from the text of its file, or from a template."""
+
+    id: SequenceName | None = None
+    """Name in URLs; null: derived from the title."""
+    study: Study | None = None
+    """The study; or ``text``, or ``template``."""
+    text: Annotated[str, Rule(max_length=LONGEST_YAML)] | None = None
+    """The study as YAML."""
+    template: Annotated[str, Rule(max_length=64)] | None = None
+    """Name of a study of the package: ``desk-or-headset`` or ``brush-or-object-tool``."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyChange(Body):
+    """A study that replaces the one with the same id, which has no participants yet."""
+
+    study: Study | None = None
+    """The study; or ``text``."""
+    text: Annotated[str, Rule(max_length=LONGEST_YAML)] | None = None
+    """The study as YAML."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyInfo(Value):
+    """A study and the number of its participants."""
+
+    id: str
+    """Name in URLs."""
+    study: Study
+    """The study."""
+    text: str
+    """The file of the study, YAML."""
+    participants: int
+    """Number of participants."""
+    done: int
+    """Number of participants that have finished."""
+
+
+@dataclass(frozen=True, slots=True)
+class Participant(Value):
+    """A participant, without the code, of which only a digest is stored."""
+
+    number: int
+    """Number in the study, from 1."""
+    conditions: tuple[str, ...]
+    """Names of the participant's conditions in order."""
+    state: ParticipantState
+    """State of the session."""
+    step: int
+    """Number of the current step, from 0."""
+    count: int
+    """Number of steps."""
+    kind: StepKind
+    """Kind of the current step."""
+    condition: str | None
+    """Condition of the current step; null: none."""
+    task: str | None
+    """Task of the current step; null: none."""
+    iou: float | None
+    """Mean IoU of the labels of the current task; null: no task."""
+    records: int
+    """Number of records in the log."""
+    seen: datetime | None
+    """Time of the last call of the participant; null: none yet."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewParticipant(Participant):
+    """A participant that was added, with the code that opens the study."""
+
+    code: str
+    """Secret code, which is shown once."""
+    link: str
+    """Address to open, with the code."""
+
+
+@dataclass(frozen=True, slots=True)
+class NewParticipants(Body):
+    """Participants to be added."""
+
+    count: Annotated[int, Rule(ge=1, le=100)] = 1
+    """Number of participants to add."""
+
+
+@dataclass(frozen=True, slots=True)
+class ParticipantPatch(Body):
+    """Change of a participant's session."""
+
+    paused: bool
+    """The session is paused: its time stands still, and the page shows a pause."""
+
+
+@dataclass(frozen=True, slots=True)
+class StudyStep(Value):
+    """The current step of a participant."""
+
+    title: str
+    """Title of the study."""
+    number: int
+    """Number of the step, from 0."""
+    count: int
+    """Number of steps."""
+    kind: StepKind
+    """Kind of the step."""
+    text: str
+    """Text to show: of the consent, the condition or the task."""
+    condition: Condition | None
+    """Condition of the step; null: none."""
+    task: StudyTask | None
+    """Task of the step; null: none."""
+    sequence: str | None
+    """Id of the participant's copy of the recording; null: no task."""
+    start: int
+    """First frame of the task."""
+    stop: int
+    """Frame after the last one of the task."""
+    labels: tuple[int, ...]
+    """Ids of the labels to reach, in the palette of ``sequence``."""
+    time_left_s: float | None
+    """Seconds until the time limit; null: none."""
+    elapsed_s: float
+    """Seconds since the step began, without pauses; records count from there."""
+    reached: bool
+    """The task may end: its time limit or its ``target_iou`` is reached."""
+    questionnaire: Questionnaire | None
+    """Questionnaire of the step; null: none."""
+    records: int
+    """Number of the next record of the log, from 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class StepDone(Body):
+    """The end of a step; a repeated call has no effect."""
+
+    number: Annotated[int, Rule(ge=0, lt=100_000)]
+    """Number of the step."""
+    answers: Annotated[tuple[Annotated[int, Rule(ge=1, le=101)], ...], Rule(max_length=100)] = ()
+    """Answers to the items of a questionnaire, each 1 to its ``steps``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogRecord(Body):
+    """One record of a session's log; fields that its ``kind`` does not name are left out."""
+
+    kind: RecordKind
+    """Kind of the record."""
+    step: Annotated[int, Rule(ge=0, lt=100_000)]
+    """Number of the step in which it was made."""
+    t: Annotated[float, Rule(ge=0, le=1e9, allow_inf_nan=False)]
+    """Milliseconds since the step began, by the page's monotonic clock."""
+    id: Annotated[str, Rule(max_length=36, pattern=r"^[0-9a-fA-F-]*$")] = ""
+    """UUID of a stroke, which is that of its edit."""
+    tool: Annotated[str, Rule(max_length=64)] = ""
+    """Tool of a stroke: paint, erase, delete or restore."""
+    shape: Annotated[str, Rule(max_length=64)] = ""
+    """Shape of a stroke, or ``positive`` and ``negative`` of a click."""
+    label: Annotated[int, Rule(ge=0, le=65534)] | None = None
+    """Id of the label."""
+    level: Annotated[int, Rule(ge=0, le=1000)] | None = None
+    """Level of the object tool."""
+    frame: Annotated[int, Rule(ge=0, lt=2**31)] | None = None
+    """Frame of the recording."""
+    action: Annotated[str, Rule(max_length=64)] = ""
+    """Action of playback."""
+    phase: Phase | None = None
+    """Phase that begins."""
+    head: Pose | None = None
+    """Pose of the head; at the desk of the camera."""
+    left: Pose | None = None
+    """Pose of the left hand or controller."""
+    right: Pose | None = None
+    """Pose of the right hand or controller."""
+    mean_ms: Annotated[float, Rule(ge=0, le=1e6, allow_inf_nan=False)] | None = None
+    """Mean time of a picture in the last second, milliseconds."""
+    p95_ms: Annotated[float, Rule(ge=0, le=1e6, allow_inf_nan=False)] | None = None
+    """Time that 95% of the last second's pictures kept, milliseconds."""
+    dropped: Annotated[int, Rule(ge=0, le=10_000)] | None = None
+    """Pictures of the last second that were late by more than half a period."""
+    profile: (
+        Annotated[
+            Mapping[Annotated[str, Rule(max_length=64)], Annotated[str, Rule(max_length=300)]],
+            Rule(max_length=32),
+        ]
+        | None
+    ) = None
+    """Properties of the device, such as ``agent``, ``gpu``, ``controllers``, ``rate``."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogRecords(Body):
+    """Consecutive records of a log."""
+
+    first: Annotated[int, Rule(ge=0, le=LONGEST_LOG)]
+    """Number of the first of them; the first record of a session has 0."""
+    records: Annotated[tuple[LogRecord, ...], Rule(min_length=1, max_length=MOST_RECORDS)]
+    """The records in order."""
+
+
+@dataclass(frozen=True, slots=True)
+class LogPosition(Value):
+    """End of a log."""
+
+    next: int
+    """Number of the next record."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replay(Value):
+    """Comparison of the labels of a session with those that its log leads to."""
+
+    equal: bool
+    """All labels are equal, bit for bit."""
+    edits: int
+    """Number of edits that were applied."""
+    difference: str
+    """The first difference in words; empty: none."""
