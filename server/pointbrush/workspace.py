@@ -30,6 +30,7 @@ from pointbrush.work.annotate.splitting import Splitting
 from pointbrush.work.annotations import Annotations
 from pointbrush.work.backups.backup import (
     CLASSIFIERS,
+    STUDIES,
     make_backup,
     note_made,
     require_labels,
@@ -67,6 +68,7 @@ if TYPE_CHECKING:
     from pointbrush.work.projects.versions import Versions
     from pointbrush.work.reviewing.reviewing import Reviewing
     from pointbrush.work.scratch import Scratch
+    from pointbrush.work.studies.service import Studies
     from pointbrush.work.tracking.runs import Runs
 
 
@@ -270,6 +272,14 @@ class Workspace:
         return Scratch(self.labels, self.library)
 
     @once
+    def studies(self) -> Studies:
+        """Return the service for studies of labelling."""
+        from pointbrush.work.studies.service import Studies
+
+        folder = self.settings.workspace.absolute() / STUDIES
+        return Studies(self.labels, self.library, folder, self.deletion.erase)
+
+    @once
     def hooks(self) -> Hooks:
         """Return the service for webhooks of projects."""
         from pointbrush.teamwork.delivering import Hooks
@@ -391,7 +401,7 @@ class Workspace:
 
     def back_up(self, target: Path, earlier: Path | None = None) -> None:
         """Back up the workspace to the new folder ``target``; see ``backup.make_backup``."""
-        make_backup(self.labels, self.library, target, self._classifier_folder, earlier)
+        make_backup(self.labels, self.library, target, self.settings.workspace, earlier)
 
     def restore_from_backup(self, source: Path, sequence: str) -> str:
         """Restore one recording of a backup, even while in use; return its id here."""

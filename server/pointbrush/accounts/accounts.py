@@ -40,6 +40,8 @@ RESERVED = frozenset({OWNER, "command line", "import"})
 """Names of built-in accounts; no token may have one."""
 ELSEWHERE = "elsewhere:"
 """Prefix of the digest of a token without a secret; no hexadecimal digest has these letters."""
+PARTICIPANT = "participant"
+"""Name of all participants of studies; their accounts are it, ``MARK`` and a random text."""
 MARK = ":"
 """Separator in the id of an account with a name in the table; new tokens cannot have it."""
 
@@ -70,7 +72,8 @@ class Accounts:
             query = select(accounts.c.name).where(accounts.c.id == account)
             found = connection.execute(query).scalar()
         kind, _, chosen = account.partition(MARK)
-        name = str(found) if found is not None else chosen if kind == OWNER else OWNER
+        own = {OWNER: chosen, PARTICIPANT: PARTICIPANT}
+        name = str(found) if found is not None else own.get(kind, OWNER)
         with self._lock:
             self._names[account] = name
         return name

@@ -168,12 +168,13 @@ class Database:
                 yield connection
 
     @contextlib.contextmanager
-    def write(self, *, begun: bool = True) -> Iterator[Connection]:
+    def write(self, *, begun: bool = True, erases: bool = False) -> Iterator[Connection]:
         """Open a transaction that is durable when the context ends; raises UnavailableError.
 
         Any error rolls it back.  ``begun`` False: it begins with ``statements.begin`` and commits
         with ``statements.commit``, so that both can be sent with other statements; uncommitted
-        changes are rolled back.  Raises ReadOnlyError if the database is read-only.
+        changes are rolled back.  ``erases``: SQLite overwrites the rows that are deleted.  Raises
+        ReadOnlyError if the database is read-only.
         """
         if self._sealed:
             raise ReadOnlyError(READ_ONLY)
@@ -189,6 +190,8 @@ class Database:
             try:
                 with connection.begin():
                     try:
+                        if erases and self.sqlite:
+                            driver_of(connection).execute("PRAGMA secure_delete=ON")
                         yield connection
                     finally:
                         if by_hand and not connection.invalidated:
@@ -234,6 +237,15 @@ class Database:
             statement.values(row), execution_options={"preserve_rowcount": True}
         )
         return done.rowcount > 0
+
+    def empty_log(self) -> None:
+        """Write SQLite's write-ahead log to the database and empty it; raises UnavailableError.
+
+        Readers of other processes can prevent it; the log is then emptied later.
+        """
+        if self.sqlite and not self._sealed:
+            with self._translated(), contextlib.closing(self._driver()) as driver:
+                driver.execute("PRAGMA wal_checkpoint(TRUNCATE)")
 
     def close(self) -> None:
         """Close all connections."""

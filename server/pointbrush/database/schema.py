@@ -32,10 +32,10 @@ from sqlalchemy import (
 
 from pointbrush.database.database import Database
 from pointbrush.database.project_tables import FIRST
-from pointbrush.database.project_tables import metadata as metadata
+from pointbrush.database.study_tables import metadata as metadata
 from pointbrush.errors import BadInputError
 
-BASELINE, HEAD = "0010", "0023"
+BASELINE, HEAD = "0010", "0024"
 """The migration that makes the tables of a new database, and the one that results in these."""
 
 # States of an edit.  Only ACTIVE ones can be undone, only UNDONE ones redone.

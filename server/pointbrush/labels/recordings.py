@@ -207,6 +207,11 @@ class Recordings:
             if row is not None and _is_over(_first_seen(row, now), now):
                 _erase(connection, number)
 
+    def erase(self, number: int) -> None:
+        """Remove the rows of a deleted recording now, overwritten in a SQLite file."""
+        with self._database.write(erases=True) as connection:
+            _erase(connection, number)
+
 
 def _find(connection: Connection, sequence: str, *, lock: bool = False) -> Row[Any] | None:
     query = select(schema.sequences).where(_SEQUENCES.id == sequence, IS_LIVE)

@@ -10,12 +10,13 @@ from pointbrush.database.class_names import ClassNames, read_names
 from pointbrush.database.database import Database, Limits
 from pointbrush.database.revisions import revisions
 from pointbrush.database.schema import migrate
-from pointbrush.labels import check, plans, reading
+from pointbrush.labels import check, journal, plans, reading
 from pointbrush.labels.blocks import CACHE_BYTES, BlockCache
 from pointbrush.labels.boxes.editing import Boxes
 from pointbrush.labels.classes import palette
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.classes.taxonomy import Taxonomy
+from pointbrush.labels.draft import Changes
 from pointbrush.labels.journal import Summary
 from pointbrush.labels.open_recordings import OpenRecordings
 from pointbrush.labels.plans import Choose, NewBoxes, Writes, new_entry
@@ -345,6 +346,16 @@ class LabelStore:
         """
         with self._open_recordings.reading(sequence) as (connection, state):
             return reading.history_lines(connection, state.number, before, limit, after)
+
+    def changes(self, sequence: str) -> Iterator[tuple[EditInfo, Changes]]:
+        """Yield the edits of a sequence, oldest first, with the points they changed."""
+        last = 0
+        while lines := self.edits(sequence, after=last, limit=reading.HISTORY_LIMIT):
+            for line in lines:
+                with self._open_recordings.reading(sequence) as (connection, state):
+                    found = journal.changes_of(connection, state.number, line.revision)
+                yield line, found
+            last = lines[-1].revision
 
     def authors(self, sequence: str) -> set[str]:
         """Return the accounts that edited a sequence."""

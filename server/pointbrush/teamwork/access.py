@@ -11,11 +11,13 @@ from dataclasses import dataclass, field
 
 from sqlalchemy import Connection, select
 
+from pointbrush.accounts.accounts import MARK, PARTICIPANT
 from pointbrush.accounts.roles import Role, includes
 from pointbrush.database.database import Database
 from pointbrush.database.project_rows import REMOVED
 from pointbrush.database.project_tables import project_roles, tasks
 from pointbrush.database.schema import PROJECT_OF, WHOLE, sequences
+from pointbrush.database.study_tables import study_copies
 from pointbrush.names import SCRATCH
 from pointbrush.teamwork.projects import OVERSEES, role_in
 
@@ -38,6 +40,11 @@ class _Original:
         return account not in self.people and (self.truth or account in self.copied)
 
 
+def is_participant(account: str) -> bool:
+    """Return whether an account is that of a study's participant, who sees their copies alone."""
+    return account.startswith(f"{PARTICIPANT}{MARK}")
+
+
 @dataclass(frozen=True, slots=True)
 class Sight:
     """Recordings that an account does not see, and the project of each copy that it has."""
@@ -52,7 +59,7 @@ class _Known:
 
     ``numbers``: by id, the recordings that had it in turn, each with the time of its deletion.  The
     other maps are by permanent number.  ``copies``: the people with tasks in each copy for one
-    person; ``homes``: its project.
+    person; ``homes``: its project; ``participants``: the participant with each copy of a study.
     """
 
     roles: Mapping[str, Mapping[str, Role]] = field(default_factory=dict)
@@ -61,6 +68,7 @@ class _Known:
     copies: Mapping[int, set[str]] = field(default_factory=dict)
     homes: Mapping[int, str] = field(default_factory=dict)
     originals: Mapping[int, _Original] = field(default_factory=dict)
+    participants: Mapping[int, str] = field(default_factory=dict)
     read: float = -REFRESH_SECONDS
 
     def number(self, sequence: str, at: float | None) -> int | None:
@@ -96,6 +104,8 @@ class _Known:
 
     def role(self, number: int | None, account: str, role: Role) -> Role | None:
         """Return the role of an account in a recording; None: the recording is not for it."""
+        if is_participant(account):
+            return role if number and self.participants.get(number) == account else None
         if number is None:
             return role
         project = self.projects.get(number)
@@ -122,7 +132,7 @@ class Access:
 
         ``at``: a time, seconds since the epoch; the recording is the one that had the id then.
         """
-        if includes(role, OVERSEES) or sequence == SCRATCH:
+        if includes(role, OVERSEES) or (sequence == SCRATCH and not is_participant(account)):
             return role
         known = self._look()
         found = known.role_in(sequence, account, role, at)
@@ -166,6 +176,8 @@ class Access:
         """Return the role of an account in a project."""
         if includes(role, OVERSEES):
             return role
+        if is_participant(account):
+            return None
         return role_in(self._look().roles.get(project, {}), account, role)
 
     def forget(self) -> None:
@@ -197,9 +209,11 @@ class Access:
                     if row.project in roles or row.project == REMOVED:
                         projects[row.number] = row.project
                 copies = _copies(connection)
+                given = select(study_copies.c.sequence, study_copies.c.participant)
+                participants = {row.sequence: row.participant for row in connection.execute(given)}
             for lives in numbers.values():
                 lives.sort()
-            self._known = _Known(roles, numbers, projects, *copies, time.monotonic())
+            self._known = _Known(roles, numbers, projects, *copies, participants, time.monotonic())
             return self._known
 
 

@@ -11,8 +11,8 @@ from pointbrush.database.database import Database
 from pointbrush.database.project_tables import tasks
 from pointbrush.database.schema import LIVE, PROJECT_OF, sequences
 
-CopyKind = Literal["agreement", "truth", "scratch"]
-"""Copies that are compared with each other, with known ground truth, or not at all."""
+CopyKind = Literal["agreement", "truth", "scratch", "study"]
+"""Copies that are compared with each other, with known ground truth, not at all, or in a study."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ from pointbrush.labels.blocks import CACHE_BYTES
 from pointbrush.labels.store import LabelStore
 from pointbrush.teamwork.headset_reports import HeadsetReports
 from pointbrush.teamwork.reviews import Reviews
+from pointbrush.teamwork.studies import Studies
 from pointbrush.teamwork.team import Team
 
 
@@ -31,6 +32,7 @@ class WorkspaceStore(LabelStore):
         self.own_keys = OwnKeys(self.database)
         self.headset_reports = HeadsetReports(self.database)
         self.reviews = Reviews(self.database)
+        self.studies = Studies(self.database)
         self.team = Team(self.database)
         self.guards = Guards(self.database)
         self.jobs = JobRecords(self.database, self.guards.owner)

@@ -21,7 +21,9 @@ LONGEST_YAML = 1 << 22
 
 Prose = Annotated[str, Rule(max_length=10_000)]
 """Text that participants read; an empty line begins a paragraph."""
-Word = Annotated[str, Rule(min_length=1, max_length=64, pattern=r"^[\w .:/+-]+$")]
+Word = Annotated[str, Rule(min_length=1, max_length=64, pattern=r"^\w[\w .:/+-]*$")]
+Token = Annotated[str, Rule(max_length=64, pattern=r"^[\w-]*$")]
+"""A word of a log; no table program takes it for a formula."""
 Picture = Annotated[
     str,
     Rule(max_length=400_000, pattern=r"^(data:image/(png|jpeg|webp);base64,[A-Za-z0-9+/=]+)?$"),
@@ -31,6 +33,7 @@ Number = Annotated[float, Rule(ge=-1e12, le=1e12, allow_inf_nan=False)]
 Pose = Annotated[tuple[Number, ...], Rule(min_length=7, max_length=7)]
 """Position (metres) and quaternion (x, y, z, w) in the coordinates of the recording."""
 
+FileKind = Literal["csv", "parquet"]
 Device = Annotated[
     Literal["desk", "headset"],
     Meanings({"desk": "the page in a window", "headset": "the page in a headset"}),
@@ -93,7 +96,7 @@ RecordKind = Annotated[
         "frame_time",
         "device",
         "phase",
-    ],  # fmt: skip
+    ],
     Meanings(
         {
             "stroke": "an edit of a brush: `id`, `tool`, `shape`, `label`, `frame`",
@@ -287,6 +290,8 @@ class Participant(Value):
     """Condition of the current step; null: none."""
     task: str | None
     """Task of the current step; null: none."""
+    sequence: str | None
+    """Id of the copy that the current step shows, to follow the session; null: none."""
     iou: float | None
     """Mean IoU of the labels of the current task; null: no task."""
     records: int
@@ -381,9 +386,9 @@ class LogRecord(Body):
     """Milliseconds since the step began, by the page's monotonic clock."""
     id: Annotated[str, Rule(max_length=36, pattern=r"^[0-9a-fA-F-]*$")] = ""
     """UUID of a stroke, which is that of its edit."""
-    tool: Annotated[str, Rule(max_length=64)] = ""
+    tool: Token = ""
     """Tool of a stroke: paint, erase, delete or restore."""
-    shape: Annotated[str, Rule(max_length=64)] = ""
+    shape: Token = ""
     """Shape of a stroke, or ``positive`` and ``negative`` of a click."""
     label: Annotated[int, Rule(ge=0, le=65534)] | None = None
     """Id of the label."""
@@ -391,7 +396,7 @@ class LogRecord(Body):
     """Level of the object tool."""
     frame: Annotated[int, Rule(ge=0, lt=2**31)] | None = None
     """Frame of the recording."""
-    action: Annotated[str, Rule(max_length=64)] = ""
+    action: Token = ""
     """Action of playback."""
     phase: Phase | None = None
     """Phase that begins."""

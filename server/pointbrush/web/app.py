@@ -26,7 +26,7 @@ from pointbrush.web import page, problems, socket
 from pointbrush.web.logs import RequestLog
 from pointbrush.web.middleware import Guard
 from pointbrush.web.readiness import ReadyProbe
-from pointbrush.web.routes import RESOURCES, meta, objects, oidc, trust
+from pointbrush.web.routes import RESOURCES, meta, objects, oidc, studies, trust
 from pointbrush.web.routes.export import Exports
 from pointbrush.web.security.admissions import Admissions
 from pointbrush.web.security.auth import SCHEMES, Gate, requires_caller
@@ -42,7 +42,7 @@ log = logging.getLogger(__name__)
 
 ROUTERS = (
     *(resource.router for resource in RESOURCES), meta.sign_in_router, socket.router,
-    meta.open_router, oidc.router, trust.router, page.router,
+    studies.participant_router, meta.open_router, oidc.router, trust.router, page.router,
 )  # fmt: skip
 """In the order of matching; the routes of the page match any path."""
 

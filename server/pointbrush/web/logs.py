@@ -21,7 +21,9 @@ from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace
 
 FORMATS = ("text", "json")
-SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush_(?:session|account|oidc)\w*=)[^\s&\"';,]+")
+SECRET = re.compile(
+    r"(?i)(token=|/study/|bearer\s+|pointbrush_(?:session|account|oidc)\w*=)[^\s&\"';,]+"
+)
 LONGEST_METHOD = 20
 """Characters of a request's method that are logged."""
 HIDDEN = "[hidden]"

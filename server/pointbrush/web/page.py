@@ -52,6 +52,15 @@ def index(request: Request, token: str | None = None) -> Response:
         return document(request, status, EXTRA_HEADERS[status])
 
 
+@router.get("/study/{code}")
+def study(code: str) -> Response:  # noqa: ARG001 - the page's script reads it from the address
+    """The page of a study's participant, whose files are beside this folder."""
+    if not built():
+        raise NotFoundError("the page has not been built: run `make page`")
+    text = (PAGE / "index.html").read_text(encoding="utf-8").replace('"./', '"../')
+    return Response(text, media_type="text/html", headers={"Cache-Control": "no-cache"})
+
+
 def built() -> bool:
     """Return whether the page was built."""
     return (PAGE / "index.html").is_file()

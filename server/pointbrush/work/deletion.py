@@ -57,6 +57,18 @@ class Deletion:
         self._tidy_later()
         self._publish(SequencesChanged(sequence))
 
+    def erase(self, sequence: str) -> None:
+        """Delete a recording with its labels for ever; raises as ``delete``."""
+        self._library.require_writable()
+        known = self._store.recordings.delete(sequence)
+        self._library.hidden |= {sequence}
+        self.tidy()
+        self._trash.purge(known)
+        if self._library.store.has(sequence):
+            raise UnavailableError(f"sequence: the files of {sequence!r} cannot be removed now")
+        self._store.recordings.erase(known.number)
+        self._publish(SequencesChanged(sequence))
+
     def _is_deleted(self, identity: str) -> bool:
         return any(known.identity == identity for known in self._store.recordings.deleted())
 

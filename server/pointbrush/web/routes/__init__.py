@@ -17,6 +17,7 @@ from pointbrush.web.routes import (
     objects,
     people,
     sequences,
+    studies,
     taxonomy,
     tracking,
 )
@@ -34,6 +35,6 @@ from pointbrush.web.routes.team import (
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
     annotations, masks, people, tracking, classifiers, export, jobs, review, checks, projects,
-    tasks, snapshots, agreement, webhooks, accounts, headset_checks,
+    tasks, snapshots, agreement, webhooks, accounts, headset_checks, studies,
 )  # fmt: skip
 """In the order of matching: strokes first, because they are by far the most frequent calls."""

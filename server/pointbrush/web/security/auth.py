@@ -17,6 +17,7 @@ from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
 from pointbrush.accounts.accounts import OWNER, digest_of
+from pointbrush.accounts.accounts import OWNER, PARTICIPANT, Token, digest_of
 from pointbrush.accounts.roles import ROLES, Role, require
 from pointbrush.database.job import Job
 from pointbrush.errors import (
@@ -28,11 +29,12 @@ from pointbrush.errors import (
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
 from pointbrush.values.team.accounts import AccountToken
+from pointbrush.teamwork.access import is_participant
 from pointbrush.web.context import known_query
 from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
 from pointbrush.web.security.cookies import Cookie
-from pointbrush.web.security.roles import PREFIX, role_of
+from pointbrush.web.security.roles import PARTICIPANT_CALLS, PREFIX, role_of
 from pointbrush.web.security.sessions import SESSION_DAYS, WebSessions
 from pointbrush.web.security.sign_ins import SignIns
 from pointbrush.workspace import Workspace
@@ -91,9 +93,23 @@ class Gate:
             return Principal(OWNER, OWNER, "admin", shared=True)
         token = self._workspace.labels.tokens.check(secret)
         if token is None:
-            raise self._refusal(connection)
+            account = self.participant(secret, connection)
+            return Principal(account, PARTICIPANT, "annotator")
         self._note(secret)
         return _person(token)
+
+    def participant(self, code: str, connection: HTTPConnection) -> str:
+        """Return the account of a study's participant with this code; raises UnauthorizedError."""
+        account = self._workspace.labels.studies.account_of(code)
+        if account is None:
+            raise self._refusal(connection)
+        self._note(code)
+        connection.state.known = True
+        return account
+
+    def participant_cookie(self, code: str, connection: HTTPConnection) -> Cookie:
+        """Return the cookie that admits a participant by their code."""
+        return _session_cookie(connection, code)
 
     def owner(self, connection: HTTPConnection) -> Principal | None:
         """Return the caller with the server's own token, checked without the database."""
@@ -167,7 +183,8 @@ class Gate:
     def _of_session(self, session: str, connection: HTTPConnection) -> Principal:
         found = self.sessions.check(session)
         if found is None:
-            raise self._refusal(connection)
+            account = self.participant(session, connection)
+            return Principal(account, PARTICIPANT, "annotator", session=True)
         if found.token is not None:
             return replace(_person(found.token), session=True)
         return self._sharer(found.account)
@@ -234,8 +251,8 @@ class Gate:
 
     def may_see_job(self, principal: Principal, job: Job) -> bool:
         """Return whether a job is the caller's own, or they may see its recording and project."""
-        if job.owner == principal.author:
-            return True
+        if job.owner == principal.author or is_participant(principal.author):
+            return job.owner == principal.author
         project = (job.request or {}).get("project")  # an import's, before the recording is there
         access = self._workspace.labels.team.access
         if project and access.to_project(project, principal.author, principal.role) is None:
@@ -353,7 +370,12 @@ async def caller(request: Request) -> Principal:
     principal = gate.owner(request)
     if principal is None:
         principal = await run_in_threadpool(gate.admit_to, request)
-    needed = role_of(request.scope["route"])
+    route = request.scope["route"]
+    if is_participant(principal.author):
+        call = request.method, route.path.removeprefix(PREFIX)
+        if call not in PARTICIPANT_CALLS:
+            raise ForbiddenError("expected a call that a study needs, got another one")
+    needed = role_of(route)
     if needed is None:
         raise ForbiddenError("expected a call with a role, this one has none")
     require(principal.role, needed)

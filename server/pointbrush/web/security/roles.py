@@ -23,6 +23,24 @@ CANCEL_ANY: Role = "manager"
 """Role that may cancel jobs of other people."""
 
 
+_OWN = "/sequences/{seq}"
+PARTICIPANT_CALLS = frozenset({
+    ("GET", "/session"), ("DELETE", "/session"), ("GET", "/me"), ("GET", "/me/keys"),
+    ("GET", "/sequences"),
+    *(("GET", f"{_OWN}{call}") for call in (
+        "", "/labels", "/labels/{id}", "/palette", "/categories", "/boxes", "/boxes/{id}", "/edits",
+        "/tracks", "/frames/{i}/points", "/frames/{i}/thumbnail", "/frames/{i}/annotation",
+        "/frames/{i}/chunks", "/frames/{i}/chunks/{c}", "/frames/{i}/cameras",
+        "/frames/{i}/images/{camera}", "/frames/{i}/placements",
+    )),
+    *(("POST", f"{_OWN}{call}") for call in (
+        "/undo", "/redo", "/frames/{i}/strokes", "/frames/{i}/object", "/frames/{i}/copy",
+        "/frames/{i}/clear",
+    )),
+})  # fmt: skip
+"""Calls of a study's participant, besides those with the code: for their own copies alone."""
+
+
 class _Needed:
     """A dependency of a route that holds the role; ``auth.caller`` checks it."""
 

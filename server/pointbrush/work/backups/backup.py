@@ -35,6 +35,7 @@ MADE = "labels.made"
 """Marker file of a workspace that has, or had, its own database of labels."""
 RECORDINGS = "sequences"
 CLASSIFIERS = "classifiers"
+STUDIES = "studies"
 
 
 def own_url(workspace: Path) -> str:
@@ -118,14 +119,14 @@ def make_backup(
     store: WorkspaceStore,
     library: Library,
     target: Path,
-    classifiers: Path | None = None,
+    workspace: Path | None = None,
     earlier: Path | None = None,
 ) -> None:
     """Copy a workspace in use into the new folder ``target``.
 
-    The database is copied last, so that all its recordings are in the copy.  ``classifiers``: their
-    folder.  ``earlier``: a backup on the same disk; files that it has become hard links to it.
-    Raises ConflictError when ``target`` exists.
+    The database is copied last, so that all its recordings are in the copy.  ``workspace``: its
+    folder, with classifiers and studies.  ``earlier``: a backup on the same disk; files that it has
+    become hard links to it.  Raises ConflictError when ``target`` exists.
     """
     partial = _partial(target)
     try:
@@ -133,8 +134,9 @@ def make_backup(
             place = Path(RECORDINGS, manifest.id)
             before = None if earlier is None else earlier / place
             library.store.files(manifest.id).copy_to(partial / place, before)
-        if classifiers is not None:
-            _copy(classifiers, partial / CLASSIFIERS)
+        if workspace is not None:
+            for part in (CLASSIFIERS, STUDIES):
+                _copy(workspace / part, partial / part)
         back_up(store.database, partial / DATABASE)
         os.sync()  # the data must be on the disk before the final name
         partial.rename(target)
@@ -153,7 +155,7 @@ def restore_backup(source: Path, target: Path, url: str = "") -> None:
         raise NotFoundError(f"backup: expected a folder with {DATABASE}, got {source}")
     partial = _partial(target)
     try:
-        for part in (RECORDINGS, CLASSIFIERS):
+        for part in (RECORDINGS, CLASSIFIERS, STUDIES):
             _copy_plain(source / part, partial / part)
         if url:
             note_database(partial, url)

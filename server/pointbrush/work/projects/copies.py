@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,11 +29,12 @@ def make_copy(
     project: str,
     frames: range,
     kind: CopyKind,
+    labels: Collection[str] | None = None,
 ) -> str:
     """Copy a recording with its palette within a project; return the id of the copy.
 
-    A copy for agreement starts with the current labels of ``frames``, a copy with ground truth
-    without labels.  Raises NotFoundError.
+    A copy for agreement starts with the current labels of ``frames``, other copies without labels.
+    ``labels``: names of the labels in its palette; None: all.  Raises NotFoundError.
     """
     recording = library.recording(sequence)
     library.require_writable()
@@ -51,7 +52,11 @@ def make_copy(
     finally:
         store.guards.end(guard)
     store.team.access.forget()
-    palette = [replace(each, locked=False) for each in store.palette(sequence)]
+    palette = [
+        replace(each, locked=False)
+        for each in store.palette(sequence)
+        if labels is None or each.name in labels
+    ]
     chosen = frames if kind == "agreement" else range(0)
     store.apply(  # like labels from files, so that the history does not reveal the copy
         guard.sequence,

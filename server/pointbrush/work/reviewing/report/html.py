@@ -119,7 +119,7 @@ def _progress(report: Report) -> str:
         "<h2>Progress</h2><p class='soft'>Share of each frame's points, and its state below</p>"
         + plots.over_frames(series, frames, top=None, unit=" %")
         + plots.strip(colors, titles)
-        + _keys(keys)
+        + legend(keys)
     )
 
 
@@ -141,7 +141,7 @@ def _confidence(report: Report) -> str:
     tracked = [label for label in report.palette if label.id in report.confidence][:MOST_LINES]
     series = [Series(each.name, each.color, report.confidence[each.id]) for each in tracked]
     keys = [(each.name, each.color) for each in tracked]
-    return head + plots.lines(series, len(report.points), top=1.0, unit="") + _keys(keys)
+    return head + plots.lines(series, len(report.points), top=1.0, unit="") + legend(keys)
 
 
 def _effort(report: Report) -> str:
@@ -160,7 +160,7 @@ def _effort(report: Report) -> str:
         + "<h2>Strokes per frame</h2>"
         + plots.over_frames([strokes], frames, top=None, unit="")
         + "<h2>People</h2>"
-        + _table(("person", "time", "strokes", "edits", "frames"), rows)
+        + table(("person", "time", "strokes", "edits", "frames"), rows)
     )
 
 
@@ -168,7 +168,8 @@ def _frames_of(report: Report, person: str) -> int:
     return sum(1 for frame, who in report.effort if who == person and frame is not None)
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table; its cells are plain text."""
     top = "".join(f"<th>{escape(cell)}</th>" for cell in head)
     body = "".join(
         f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in rows
@@ -176,7 +177,8 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return f"<table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def _keys(keys: Iterable[tuple[str, str]]) -> str:
+def legend(keys: Iterable[tuple[str, str]]) -> str:
+    """Return the names of colours."""
     return "<p>" + "".join(
         f'<span class="key"><svg viewBox="0 0 12 12" aria-hidden="true"><rect width="12" '
         f'height="12" rx="3" fill="{color}"/></svg>{escape(name)}</span>'

@@ -1,0 +1,1 @@
+"""Studies that compare ways of labelling: design, sessions, measures and results."""

@@ -1,0 +1,102 @@
+"""The files of studies: YAML in the workspace, and the studies of the package."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.names import is_plain
+from pointbrush.values.study import LONGEST_YAML, Study
+
+TEMPLATES = Path(__file__).parent / "templates"
+ENDING = ".yaml"
+
+
+class StudyFiles:
+    """The files ``ID.yaml`` in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def ids(self) -> list[str]:
+        """Return the ids of the studies."""
+        return sorted(each.stem for each in self._folder.glob(f"*{ENDING}"))
+
+    def text(self, study: str) -> str:
+        """Return the file of a study; raises NotFoundError."""
+        try:
+            return self._path(study).read_text(encoding="utf-8")
+        except FileNotFoundError:
+            raise NotFoundError(f"study: expected a known id, got {study!r}") from None
+
+    def read(self, study: str) -> Study:
+        """Return a study; raises NotFoundError, and BadInputError for an invalid file."""
+        return parse(self.text(study))
+
+    def write(self, study: str, text: str) -> None:
+        """Replace the file of a study, whole or not at all."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        partial = self._folder / f".{study}.partial"
+        partial.write_text(text, encoding="utf-8")
+        partial.replace(self._path(study))
+
+    def remove(self, study: str) -> None:
+        """Remove the file of a study."""
+        self._path(study).unlink(missing_ok=True)
+
+    def _path(self, study: str) -> Path:
+        if not is_plain(study):
+            raise NotFoundError(f"study: expected a known id, got {study!r}")
+        return self._folder / f"{study}{ENDING}"
+
+
+def template(name: str) -> str:
+    """Return the file of a study of the package; raises BadInputError for an unknown name."""
+    known = sorted(each.stem for each in TEMPLATES.glob(f"*{ENDING}"))
+    if name not in known:
+        raise BadInputError(f"template: expected one of {', '.join(known)}, got {name!r}")
+    return (TEMPLATES / f"{name}{ENDING}").read_text(encoding="utf-8")
+
+
+def parse(text: str) -> Study:
+    """Return the study that a YAML text describes; raises BadInputError with the place of a fault.
+
+    Aliases are refused: a few lines of them can stand for any amount of data.
+    """
+    import yaml
+    from pydantic import TypeAdapter, ValidationError  # slow to import
+
+    if len(text) > LONGEST_YAML:
+        raise BadInputError(f"study: expected at most {LONGEST_YAML:,} characters")
+    try:
+        if any(isinstance(each, yaml.AliasEvent) for each in yaml.parse(text)):
+            raise BadInputError("study: expected YAML without aliases (*name)")
+        return TypeAdapter(Study).validate_python(yaml.safe_load(text))
+    except (yaml.YAMLError, RecursionError) as error:
+        raise BadInputError(f"study: expected YAML, got {' '.join(str(error).split())}") from None
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"])) or "study"
+        raise BadInputError(f"study: {place}: {first['msg']}") from None
+
+
+def to_text(study: Study) -> str:
+    """Return a study as YAML, without the values that are defaults."""
+    import yaml
+
+    plain: Any = json.loads(json.dumps(_given(study)))
+    text: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
+    return text
+
+
+def _given(value: Any) -> Any:
+    """Return the fields of a body that differ from their defaults, in all bodies inside it too."""
+    fields = value.given()
+    return {
+        name: [_given(each) if hasattr(each, "given") else each for each in part]
+        if isinstance(part := getattr(value, name), tuple)
+        else fields[name]
+        for name in fields
+    }

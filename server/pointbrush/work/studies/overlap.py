@@ -1,0 +1,124 @@
+"""The ground truth of a task, and the overlap of a participant's labels with it over time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.labels.draft import Changes
+from pointbrush.labels.packing import BLOCK, LABELS, deleted_of, label_of
+from pointbrush.labels.types import EditInfo, FrameValues
+from pointbrush.teamwork.store import WorkspaceStore
+from pointbrush.values.study import StudyTask
+from pointbrush.work.exporting import parse_frames
+from pointbrush.work.library import Library
+
+Labels = NDArray[np.uint16]
+Frames = Mapping[int, Labels]
+"""Label of each point by frame, stored order; 0 for deleted points."""
+
+
+def frames_of(library: Library, task: StudyTask) -> range:
+    """Return the frames of a task; raises NotFoundError, BadInputError."""
+    return parse_frames(task.frames, len(library.recording(task.recording)))
+
+
+def shown(values: FrameValues) -> Labels:
+    """Return the labels of points, 0 for deleted ones."""
+    return np.where(values.deleted, np.uint16(0), values.label)
+
+
+def ids_of(store: WorkspaceStore, task: StudyTask) -> tuple[int, ...]:
+    """Return the ids of the labels to reach, in the order of the task."""
+    ids = {each.name: each.id for each in store.palette(task.recording)}
+    return tuple(ids[name] for name in task.labels if name in ids)
+
+
+def truth_of(store: WorkspaceStore, library: Library, task: StudyTask) -> Frames:
+    """Return the ground truth of a task, with the label ids of its recording.
+
+    Raises NotFoundError for an unknown recording or snapshot.
+    """
+    recording, frames = library.recording(task.recording), frames_of(library, task)
+    if not task.truth:
+        return {frame: shown(store.values(task.recording, frame)) for frame in frames}
+    if not library.has(task.truth):
+        past = store.at(store.versions.moment(task.truth, task.recording))
+        counts = recording.manifest.points
+        return {
+            frame: shown(past.values(task.recording, frame, 0, counts[frame])) for frame in frames
+        }
+    other = library.recording(task.truth)
+    names = {each.name: each.id for each in store.palette(task.recording)}
+    ids = np.zeros(1 << 16, np.uint16)
+    for label in store.palette(task.truth):
+        ids[label.id] = names.get(label.name, 0)
+    return {
+        frame: ids[other[frame].to_source(shown(store.values(task.truth, frame)))][
+            recording[frame].source_index
+        ]
+        for frame in frames
+    }
+
+
+class Overlap:
+    """Intersection over union of labels with the ground truth, updated edit by edit."""
+
+    def __init__(self, truth: Frames, labels: Sequence[int]) -> None:
+        """``labels``: the ids to reach; labels without points in ``truth`` do not count."""
+        self._truth = truth
+        self._held = {frame: np.zeros_like(values) for frame, values in truth.items()}
+        self._deleted = {frame: np.zeros(len(values), bool) for frame, values in truth.items()}
+        true = sum(np.bincount(values, minlength=1 << 16) for values in truth.values())
+        self._ids = [each for each in labels if np.asarray(true)[each]]
+        self._true = np.asarray(true)[self._ids]
+        self._both = np.zeros(1 << 16, np.int64)
+        self._own = np.zeros(1 << 16, np.int64)
+
+    @property
+    def iou(self) -> float:
+        """Return the mean intersection over union of the labels, over all frames together."""
+        both, own = self._both[self._ids], self._own[self._ids]
+        return float(np.mean(both / (self._true + own - both))) if self._ids else 0.0
+
+    def put(self, frame: int, values: Labels) -> None:
+        """Set the labels of a whole frame."""
+        self._count(frame, np.arange(len(values)), -1)
+        self._held[frame][:] = values
+        self._count(frame, np.arange(len(values)), 1)
+
+    def apply(self, changes: Changes) -> None:
+        """Apply the changes of an edit; other frames are ignored."""
+        for (frame, layer, block), change in changes.items():
+            if frame not in self._truth:
+                continue
+            at = change.indices + block * BLOCK
+            self._count(frame, at, -1)
+            if layer == LABELS:
+                self._held[frame][at] = label_of(change.after)
+            else:
+                self._deleted[frame][at] = deleted_of(change.after)
+            self._count(frame, at, 1)
+
+    def _count(self, frame: int, at: NDArray[np.int64], sign: int) -> None:
+        own = np.where(self._deleted[frame][at], np.uint16(0), self._held[frame][at])
+        self._own += sign * np.bincount(own, minlength=1 << 16)
+        same = own[own == self._truth[frame][at]]
+        self._both += sign * np.bincount(same, minlength=1 << 16)
+
+
+Point = tuple[float, float]
+"""Seconds since the task began, and the IoU from then on."""
+
+
+def curve_of(
+    edits: Iterable[tuple[EditInfo, Changes]], times: Mapping[str, float], overlap: Overlap
+) -> Iterator[Point]:
+    """Yield the IoU at the begin and after each edit that has a time, by the edit's id."""
+    yield 0.0, overlap.iou
+    for edit, changes in edits:
+        overlap.apply(changes)
+        if edit.id in times:
+            yield times[edit.id], overlap.iou
