@@ -21,9 +21,14 @@ OPEN = frozenset({
     ("GET", "/trust/authority.crt"),
     ("GET", "/"),
     ("GET", "/check-headset"),
+    ("GET", "/study/{code}"),
+    ("POST", "/study/{code}"),
+    ("GET", "/study/{code}/step"),
+    ("POST", "/study/{code}/step"),
+    ("POST", "/study/{code}/log"),
     ("GET", "/{path:asset}"),
 })  # fmt: skip
-"""Calls that need no token: signing in, and public data."""
+"""Calls that need no token: signing in, public data, and calls with a participant's code."""
 CALLS: dict[tuple[str, str], Role | None] = {
     (method, route.path.removeprefix(PREFIX)): role_of(route)  # type: ignore[attr-defined]
     for router in ROUTERS

@@ -14,7 +14,7 @@ from pointbrush.database.job import Job
 from pointbrush.streaming import messages
 from pointbrush.streaming.roles import MESSAGES
 from pointbrush.web.app import create_app
-from pointbrush.web.security.roles import CANCEL_ANY, PREFIX
+from pointbrush.web.security.roles import CANCEL_ANY, PARTICIPANT_CALLS, PREFIX
 from tests.routes import OPEN, ROUTES
 from tests.serving import Served
 from tests.waiting import eventually
@@ -73,6 +73,8 @@ def call(
         ("s", "none"),
         ("w", "0" * 16),
         ("a", "none"),
+        ("n", "1"),
+        ("camera", "none"),
     ):
         path = path.replace(f"{{{name}}}", value)
     path = path.replace(f"labels/{UUID}", "labels/1").replace(f"boxes/{UUID}", "boxes/1")
@@ -102,6 +104,21 @@ def test_a_call_below_its_role_is_refused_and_names_the_role(
                 assert answer.status_code == 403, (own, method, path, answer.text)
                 assert f"expected the role {role} or higher" in answer.json()["detail"]
                 assert f"this token's is {own}" in answer.json()["detail"]
+
+
+def test_a_participant_may_use_no_other_call_and_sees_no_other_recording(served: Served) -> None:
+    assert ROUTES.keys() >= PARTICIPANT_CALLS
+    _, code = served.workspace.labels.studies.add("study", lambda _: ["desk"])
+    for method, path in ROUTES:
+        if method == "WEBSOCKET" or path == "/session":
+            continue
+        answer = call(served, code, method, path, "wall")
+        if (method, path) not in PARTICIPANT_CALLS:
+            assert answer.status_code == 403, (method, path, answer.text)
+        elif "{seq}" in path:
+            assert answer.status_code == 404, (method, path, answer.text)
+        else:
+            assert answer.status_code not in (401, 403, 404), (method, path, answer.text)
 
 
 def test_jobs_are_cancelled_by_who_started_them_or_by_a_manager(

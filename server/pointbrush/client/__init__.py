@@ -27,6 +27,7 @@ from pointbrush.client.projects import Project, Projects
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import Review
 from pointbrush.client.steps import PATIENCE
+from pointbrush.client.studies import Studies, Study
 from pointbrush.client.watching import Doubt, Watch
 from pointbrush.values.boxes import BoxPose, FittedBoxes
 from pointbrush.values.classifiers import Classifier, HeldOut, Place
@@ -40,6 +41,7 @@ from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
 from pointbrush.values.people import FoundPeople, FoundPerson, LabelledPeople, PersonPoints
 from pointbrush.values.recordings import Bounds, Manifest
+from pointbrush.values.study import NewParticipant, Participant, Replay, StudyInfo
 from pointbrush.values.taxonomy import BoxAttribute, Category
 from pointbrush.values.team.accounts import Account, NewToken, Token
 from pointbrush.values.team.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
@@ -112,7 +114,9 @@ __all__ = [
     "LabelDifference",
     "LabelledPeople",
     "Manifest",
+    "NewParticipant",
     "NewToken",
+    "Participant",
     "PastEdit",
     "PersonFigures",
     "PersonPoints",
@@ -122,6 +126,7 @@ __all__ = [
     "ProjectInfo",
     "Projects",
     "Recording",
+    "Replay",
     "Review",
     "Run",
     "Score",
@@ -129,6 +134,9 @@ __all__ = [
     "Snapshot",
     "Standing",
     "Statistics",
+    "Studies",
+    "Study",
+    "StudyInfo",
     "Task",
     "TaskEvent",
     "Token",

@@ -32,6 +32,7 @@ from pointbrush.client.steps import (
     started,
     steps,
 )
+from pointbrush.client.studies import Studies
 from pointbrush.client.uploads import AnyPath, Files, upload
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.values.exports import ExportFormat
@@ -220,6 +221,11 @@ class Server(Part[L]):
     def headset_reports(self) -> HeadsetReports[L]:
         """The reports of headset checks."""
         return HeadsetReports(self._link)
+
+    @property
+    def studies(self) -> Studies[L]:
+        """The studies of labelling."""
+        return Studies(self._link)
 
     @property
     def projects(self) -> Projects[L]:

@@ -15,6 +15,7 @@ from pointbrush.commands import (
     reviewing,
     serving,
     storage,
+    studying,
     team,
     tools,
 )
@@ -40,9 +41,9 @@ PRINTERS = (serving.demo, serving.serve, reviewing.review, completion, tools.ben
 VERBS = (
     serving.demo, importing.import_, importing.import_labels, serving.serve, labelling.track,
     labelling.fit_boxes, labelling.find_people, labelling.example, exporting.export,
-    recordings.info, team.project, team.task, team.webhook, recordings.undo, team.token,
-    reviewing.review, storage.check, reviewing.check_labels, reviewing.compare, reviewing.report,
-    recordings.labels, recordings.delete, recordings.undelete, recordings.rename,
+    recordings.info, team.project, team.task, team.webhook, studying.study, recordings.undo,
+    team.token, reviewing.review, storage.check, reviewing.check_labels, reviewing.compare,
+    reviewing.report, recordings.labels, recordings.delete, recordings.undelete, recordings.rename,
     tools.headset_report, storage.backup, storage.restore, storage.move, completion, tools.bench,
 )  # fmt: skip
 """All verbs, in the order of the help."""

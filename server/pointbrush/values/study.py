@@ -33,32 +33,10 @@ Number = Annotated[float, Rule(ge=-1e12, le=1e12, allow_inf_nan=False)]
 Pose = Annotated[tuple[Number, ...], Rule(min_length=7, max_length=7)]
 """Position (metres) and quaternion (x, y, z, w) in the coordinates of the recording."""
 
-FileKind = Literal["csv", "parquet"]
-Device = Annotated[
-    Literal["desk", "headset"],
-    Meanings({"desk": "the page in a window", "headset": "the page in a headset"}),
+FileKind = Annotated[
+    Literal["csv", "parquet"], Meanings({"csv": "text", "parquet": "columns with types"})
 ]
-Input = Annotated[
-    Literal["mouse", "controller", "hands", "look-and-pinch"],
-    Meanings(
-        {
-            "mouse": "mouse and keyboard",
-            "controller": "controllers of a headset",
-            "hands": "tracked hands",
-            "look-and-pinch": "gaze and a pinch of the fingers",
-        }
-    ),
-]
-Scoring = Annotated[
-    Literal["sus", "tlx", "own"],
-    Meanings(
-        {
-            "sus": "System Usability Scale, 0 to 100",
-            "tlx": "raw NASA-TLX, mean of six scales, 0 to 100",
-            "own": "own items, each reported as answered",
-        }
-    ),
-]
+Phase = Literal["navigation", "painting", "waiting"]
 StepKind = Annotated[
     Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"],
     Meanings(
@@ -70,16 +48,6 @@ StepKind = Annotated[
             "questionnaire": "items to answer",
             "pause": "the experimenter has paused the session",
             "done": "the session is finished",
-        }
-    ),
-]
-Phase = Annotated[
-    Literal["navigation", "painting", "waiting"],
-    Meanings(
-        {
-            "navigation": "the view moves",
-            "painting": "a trigger or button is held to label",
-            "waiting": "neither",
         }
     ),
 ]
@@ -132,10 +100,10 @@ class Condition(Body, Complete):
 
     name: Word
     """Name in results."""
-    device: Device = "desk"
-    """Device of the participant."""
-    input: Input = "mouse"
-    """Input of the participant."""
+    device: Literal["desk", "headset"] = "desk"
+    """Device of the participant: a window at the `desk`, or a `headset`."""
+    input: Literal["mouse", "controller", "hands", "look-and-pinch"] = "mouse"
+    """Input: `mouse` and keyboard, `controller` of a headset, `hands`, or `look-and-pinch`."""
     tools: Annotated[tuple[Word, ...], Rule(max_length=32)] = ()
     """Names of the page's tools that are shown; empty: all."""
     hints: bool = True
@@ -164,8 +132,8 @@ class StudyTask(Body, Complete):
     time_limit_s: Seconds | None = None
     """Time after which the task ends, seconds without pauses; null: none."""
     stop: Literal["button", "time", "iou"] = "button"
-    """Event that ends the task: the participant's button, the time limit, or ``target_iou``.  The
-    time limit always ends it."""
+    """Event that ends the task: the participant's `button`, the `time` limit, or `iou`, that is
+    ``target_iou``.  The time limit ends every task."""
     target_iou: Share = 0.9
     """Mean IoU of the labels at which a task with ``stop`` iou ends."""
     instructions: Prose = ""
@@ -198,14 +166,15 @@ class Questionnaire(Body, Complete):
 
     name: Word
     """Name in results."""
-    scoring: Scoring = "own"
-    """Scoring of the answers; ``sus`` and ``tlx`` without items have the published ones."""
+    scoring: Literal["sus", "tlx", "own"] = "own"
+    """Published items if there are no others: `sus` System Usability Scale, `tlx` raw NASA-TLX,
+    `own` none.  The score is the mean of the answers, 0 to 100, with reversed items turned."""
     title: Annotated[str, Rule(max_length=200)] = ""
     """Heading of the page; empty: the name."""
     items: Annotated[tuple[QuestionItem, ...], Rule(max_length=100)] = ()
     """The items in order."""
     after: Literal["condition", "study"] = "condition"
-    """Time of the questionnaire."""
+    """Time of the questionnaire: after each `condition`, or after the `study`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -219,9 +188,9 @@ class Study(Body, Complete):
     conditions: Annotated[tuple[Condition, ...], Rule(min_length=1, max_length=12)]
     """Ways of labelling to compare."""
     design: Literal["within", "between"] = "within"
-    """Conditions of a participant: all (``within``) or one (``between``)."""
+    """Conditions of a participant: all (`within`) or one (`between`)."""
     order: Literal["latin", "random"] = "latin"
-    """Order of the conditions: a balanced Latin square by the participants' numbers, or random."""
+    """Order of conditions: a balanced `latin` square by the participants' numbers, or `random`."""
     seed: Annotated[int, Rule(ge=0, lt=2**31)] = 1
     """Seed of the random order and of the bootstrap."""
     tasks: Annotated[tuple[StudyTask, ...], Rule(min_length=1, max_length=50)]
@@ -399,7 +368,8 @@ class LogRecord(Body):
     action: Token = ""
     """Action of playback."""
     phase: Phase | None = None
-    """Phase that begins."""
+    """Phase that begins: `navigation` (the view moves), `painting` (a trigger or button is held to
+    label) or `waiting` (neither)."""
     head: Pose | None = None
     """Pose of the head; at the desk of the camera."""
     left: Pose | None = None

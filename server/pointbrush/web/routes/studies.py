@@ -110,7 +110,7 @@ def get_results(
     kind: Table = "csv",
     table: Annotated[
         Literal["tasks", "curves"],
-        Query(description="a row per participant, condition and task, or the IoU over time"),
+        Query(description="`tasks`: a row per participant and task; `curves`: IoU over time"),
     ] = "tasks",
 ) -> Response:
     """Return the measures of finished tasks."""

@@ -102,7 +102,7 @@ class Gate:
         """Return the account of a study's participant with this code; raises UnauthorizedError."""
         account = self._workspace.labels.studies.account_of(code)
         if account is None:
-            raise self._refusal(connection)
+            raise self._refusal(connection, "code" if "code" in connection.path_params else "token")
         self._note(code)
         connection.state.known = True
         return account
@@ -193,7 +193,9 @@ class Gate:
         name = self._workspace.labels.accounts.name(account)
         return Principal(account, name, "admin", shared=True, session=True)
 
-    def _refusal(self, connection: HTTPConnection) -> UnauthorizedError | TooManyRequestsError:
+    def _refusal(
+        self, connection: HTTPConnection, kind: str = "token"
+    ) -> UnauthorizedError | TooManyRequestsError:
         """Return the refusal of a wrong token; wrong tokens never block a right one."""
         try:
             self._wrong.spend(self.clients.address(connection))
@@ -201,7 +203,7 @@ class Gate:
             return TooManyRequestsError(
                 f"expected at most {self._tries} wrong tokens a minute from one address"
             )
-        return UnauthorizedError("expected a valid token, got a wrong, expired or revoked one")
+        return UnauthorizedError(f"expected a valid {kind}, got a wrong, expired or revoked one")
 
     def admit(self, connection: HTTPConnection) -> Principal:
         """Return the caller of a request or socket; raise UnauthorizedError or ForbiddenError."""
@@ -222,9 +224,13 @@ class Gate:
     def admit_to(self, connection: HTTPConnection) -> Principal:
         """Return the caller of a request with their role in the project of the request.
 
-        Raises as ``admit``, and NotFoundError for a recording or project without access.
+        Raises as ``admit``, ForbiddenError for a participant, and NotFoundError for a recording or
+        project without access.
         """
         principal = self.admit(connection)
+        call = connection.scope["method"], connection.scope["route"].path.removeprefix(PREFIX)
+        if is_participant(principal.author) and call not in PARTICIPANT_CALLS:
+            raise ForbiddenError("expected a call that a study needs, got another one")
         access, places = self._workspace.labels.team.access, connection.path_params
         roles = [principal.role]
         for kind, ask in (("seq", access.to_sequence), ("p", access.to_project)):
@@ -370,12 +376,7 @@ async def caller(request: Request) -> Principal:
     principal = gate.owner(request)
     if principal is None:
         principal = await run_in_threadpool(gate.admit_to, request)
-    route = request.scope["route"]
-    if is_participant(principal.author):
-        call = request.method, route.path.removeprefix(PREFIX)
-        if call not in PARTICIPANT_CALLS:
-            raise ForbiddenError("expected a call that a study needs, got another one")
-    needed = role_of(route)
+    needed = role_of(request.scope["route"])
     if needed is None:
         raise ForbiddenError("expected a call with a role, this one has none")
     require(principal.role, needed)

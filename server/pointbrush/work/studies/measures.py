@@ -15,7 +15,7 @@ from pointbrush.teamwork.studies import Record
 from pointbrush.values.study import Phase
 from pointbrush.work.studies.overlap import Point
 
-PHASES: tuple[str, ...] = get_args(get_args(Phase)[0])
+PHASES: tuple[str, ...] = get_args(Phase)
 LIMBS = ("head", "left", "right")
 LEVELS = {"time_to_80_s": 0.8, "time_to_90_s": 0.9}
 """IoU that the measures of time wait for."""

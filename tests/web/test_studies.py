@@ -1,0 +1,378 @@
+"""A whole study over REST: two simulated participants, its results, replays and deletion."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import uuid
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pyarrow.parquet as parquet
+import pytest
+
+from pointbrush.cli import main
+from pointbrush.client import Client
+from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
+from tests.serving import Served, add_sequence, serving, settings_in
+
+API = "/api/v1"
+FRAMES = range(1, 3)
+LEVELS = (0.8, 0.9)
+STUDY: dict[str, Any] = {
+    "title": "Two halves",
+    "consent": "We log what you do.",
+    "conditions": [
+        {"name": "desk", "input": "mouse"},
+        {"name": "room", "device": "headset", "input": "controller"},
+    ],
+    "tasks": [
+        {"name": "halves", "recording": "wall", "frames": "1:3", "labels": ["left", "right"],
+         "time_limit_s": 600, "instructions": "Label both halves."},
+        {"name": "try", "recording": "wall", "frames": "0:1", "labels": ["left"], "practice": True},
+    ],
+    "questionnaires": [
+        {"name": "sus", "scoring": "sus"},
+        {"name": "tlx", "scoring": "tlx"},
+        {"name": "end", "after": "study", "items": [{"text": "Which?", "steps": 7}]},
+    ],
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    """A server with the recording ``wall``, of which a half is "left" and the other "right"."""
+    settings = settings_in(tmp_path_factory.mktemp("studies"), max_body=400_000)
+    add_sequence(settings, "wall", frames=4, points=3_000)
+    with serving(settings) as running:
+        with Client(running.url, running.token) as client:
+            wall = client["wall"]
+            left, right = (wall.create_label(name).id for name in ("left", "right"))
+            for frame in wall.frames:
+                x = frame.points()["xyz"][:, 0]
+                frame.annotate(np.where(x < 0, left, right).astype(np.uint16))
+        yield running
+
+
+@pytest.fixture(scope="module")
+def lead(server: Served) -> Iterator[Client]:
+    with Client(server.url, server.workspace.labels.tokens.add("manager", "lead")) as opened:
+        yield opened
+
+
+@dataclass
+class Person:
+    """A simulated participant, who keeps their own account of what happened."""
+
+    http: httpx.Client
+    code: str
+    lead: Client
+    forgets: bool = False
+    """One stroke has no record in the log."""
+    seen: list[dict[str, Any]] = field(default_factory=list)
+    curves: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)
+    logged: int = 0
+
+    def call(self, method: str, path: str, body: Any = None) -> httpx.Response:
+        return self.http.request(method, f"{API}{path}", json=body)
+
+    def step(self, number: int | None = None, **more: Any) -> dict[str, Any]:
+        path = f"/study/{self.code}/step"
+        body = {"number": number} | more
+        answer = self.call("GET", path) if number is None else self.call("POST", path, body)
+        assert answer.status_code == 200, answer.text
+        found: dict[str, Any] = answer.json()
+        return found
+
+    def log(self, *records: dict[str, Any], first: int | None = None) -> httpx.Response:
+        begin = self.logged if first is None else first
+        answer = self.call("POST", f"/study/{self.code}/log", {"first": begin, "records": records})
+        if answer.status_code == 200:
+            self.logged = answer.json()["next"]
+        return answer
+
+    def run(self) -> None:
+        """Go through all steps."""
+        step = self.step()
+        while step["kind"] != "done":
+            self.seen.append(step)
+            answers: list[int] = []
+            if step["kind"] in ("practice", "task"):
+                self.work(step)
+            if step["kind"] == "questionnaire":
+                answers = [1 + n % item["steps"] for n, item in enumerate(items_of(step))]
+            step = self.step(step["number"], answers=answers)
+
+    def work(self, step: dict[str, Any]) -> None:
+        """Paint one label, then a wrong stroke that is undone, then the others."""
+        number, frames = step["number"], range(step["start"], step["stop"])
+        key = step["condition"]["name"], step["task"]["name"]
+        curve = self.curves[key] = [(0.0, self.iou(step))]
+        self.log({"kind": "phase", "step": number, "t": 500, "phase": "painting"})
+        t = 1000.0
+        for label in step["labels"]:
+            for frame in frames:
+                edit = self.stroke(step["sequence"], frame, label, sign=label - 1.5)
+                if not (self.forgets and step["kind"] == "task"):
+                    self.log(stroke(number, t, edit, label, frame))
+                    curve.append((t / 1000, self.iou(step)))
+                self.forgets &= step["kind"] != "task"
+                t += 1000
+        wrong = self.stroke(step["sequence"], frames[0], step["labels"][0], sign=0.5)
+        self.log(stroke(number, t, wrong, step["labels"][0], frames[0]))
+        curve.append((t / 1000, self.iou(step)))
+        assert self.call("POST", f"/sequences/{step['sequence']}/undo").status_code == 200
+        self.log(
+            {"kind": "undo", "step": number, "t": t + 250.0},
+            {"kind": "pose", "step": number, "t": t + 300.0, "head": [0, 0, 0, 0, 0, 0, 1]},
+            {"kind": "pose", "step": number, "t": t + 333.5, "head": [3, 4, 0, 0, 0, 0, 1],
+             "right": [1, 1, 1, 0, 0, 0, 1]},
+            {"kind": "pose", "step": number, "t": t + 366.5, "head": [3, 4, 2, 0, 0, 0, 1]},
+            {"kind": "device", "step": number, "t": t + 370, "profile": {"gpu": "none"}},
+        )  # fmt: skip
+        curve.append((t / 1000 + 0.25, self.iou(step)))
+
+    def stroke(self, sequence: str, frame: int, label: int, sign: float) -> str:
+        """Paint most points of a half."""
+        edit = str(uuid.uuid4())
+        answer = self.call("POST", f"/sequences/{sequence}/frames/{frame}/strokes", {
+            "id": edit, "label": label, "radius": 5.95,
+            "samples": [{"origin": [sign * 12, 0, 3], "direction": [0, 0, -1], "t": 0}],
+        })  # fmt: skip
+        assert answer.status_code == 200, answer.text
+        return edit
+
+    def iou(self, step: dict[str, Any]) -> float:
+        """Return the mean IoU of the exported labels, computed here."""
+        copy, wall = self.lead[step["sequence"]], self.lead["wall"]
+        pairs = [
+            (copy.frames[n].annotation(), wall.frames[n].annotation())
+            for n in range(step["start"], step["stop"])
+        ]
+        own, true = (np.concatenate(each) for each in zip(*pairs, strict=True))
+        found = []
+        for label in step["labels"]:
+            both, any_ = (own == label) & (true == label), (own == label) | (true == label)
+            found.append(both.sum() / any_.sum())
+        return float(np.mean(found))
+
+
+def items_of(step: dict[str, Any]) -> list[dict[str, Any]]:
+    items: list[dict[str, Any]] = step["questionnaire"]["items"]
+    return items
+
+
+def stroke(step: int, t: float, edit: str, label: int, frame: int) -> dict[str, Any]:
+    return {
+        "kind": "stroke", "step": step, "t": t, "id": edit, "tool": "paint", "shape": "sphere",
+        "label": label, "frame": frame,
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def people(server: Served, lead: Client) -> Iterator[list[Person]]:
+    """Two participants who have finished the study; the log of the second misses a stroke."""
+    study = lead.studies.create(text=json.dumps(STUDY), id="halves")  # JSON is YAML
+    made = study.add_participants(2)
+    assert [each.conditions for each in made] == [("desk", "room"), ("room", "desk")]
+    assert made[0].link == f"{server.url}/study/{made[0].code}"
+    found = []
+    for each in made:
+        http = httpx.Client(base_url=server.url)
+        entered = http.post(f"{API}/study/{each.code}")
+        assert (entered.status_code, entered.json()["kind"]) == (200, "consent")
+        found.append(Person(http, each.code, lead, forgets=each.number == 2))
+    pause_and_refuse(study, found[0])
+    for person in found:
+        person.run()
+    yield found
+    for person in found:
+        person.http.close()
+
+
+def pause_and_refuse(study: Any, person: Person) -> None:
+    """Pause a session, and send logs with a gap and with changed records."""
+    person.step(0)
+    assert study.pause(1).state == "paused"
+    assert person.step()["kind"] == "pause"
+    refused = person.call("POST", f"/study/{person.code}/step", {"number": 1})
+    assert (refused.status_code, "paused" in refused.text) == (409, True)
+    assert study.pause(person.code, paused=False).state == "running"
+    before = person.step()
+    assert (before["kind"], before["condition"]["name"]) == ("instructions", "desk")
+    assert person.step(0)["number"] == before["number"]  # a repeated call has no effect
+    records = [{"kind": "label", "step": 1, "t": n, "label": n} for n in range(3)]
+    assert person.log(*records).json() == {"next": 3}
+    assert person.log(*records[1:], first=1).json() == {"next": 3}
+    gap = person.log(records[0], first=5)
+    assert gap.status_code == 409
+    assert "expected record 3 next, got 5: records 3 to 4 are missing" in gap.text
+    other = person.log(records[0], first=1)
+    assert (other.status_code, "record 1 is stored with other content" in other.text) == (409, True)
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(path.read_text())))
+
+
+def test_steps_lead_through_practice_tasks_and_questionnaires(people: list[Person]) -> None:
+    kinds = [(each["kind"], (each["task"] or {}).get("name")) for each in people[1].seen]
+    condition = [
+        ("instructions", None), ("instructions", "try"), ("practice", "try"),
+        ("instructions", "halves"), ("task", "halves"), ("questionnaire", None),
+        ("questionnaire", None),
+    ]  # fmt: skip
+    assert kinds == [("consent", None), *condition, *condition, ("questionnaire", None)]
+    asked = [each["questionnaire"]["name"] for each in people[1].seen if each["questionnaire"]]
+    assert asked == ["sus", "tlx", "sus", "tlx", "end"]
+    copies = {each["sequence"] for person in people for each in person.seen} - {None}
+    assert len(copies) == 8  # of each task in each condition, each without labels at first
+    assert all(curve[0] == (0.0, 0.0) for person in people for curve in person.curves.values())
+
+
+def test_results_equal_numbers_computed_from_exports(
+    people: list[Person], lead: Client, tmp_path: Path
+) -> None:
+    study = lead.studies["halves"]
+    assert (study.info.participants, study.info.done) == (2, 2)
+    study.results(tmp_path / "tasks.csv")
+    study.results(tmp_path / "curves.csv", curves=True)
+    study.results(tmp_path / "tasks.parquet", format="parquet")
+    rows, curves = rows_of(tmp_path / "tasks.csv"), rows_of(tmp_path / "curves.csv")
+    assert [(each["participant"], each["condition"], each["task"]) for each in rows] == [
+        ("1", "desk", "halves"), ("1", "room", "halves"),
+        ("2", "room", "halves"), ("2", "desk", "halves"),
+    ]  # fmt: skip
+    for row in rows:
+        person = people[int(row["participant"]) - 1]
+        expected = person.curves[row["condition"], row["task"]]
+        names = ("participant", "condition", "task")
+        mine = [each for each in curves if all(each[name] == row[name] for name in names)]
+        own = [(float(each["t_s"]), float(each["iou"])) for each in mine]
+        np.testing.assert_allclose(own, expected, rtol=0, atol=1e-12)
+        assert float(row["iou"]) == pytest.approx(expected[-1][1], abs=1e-12)
+        for level in LEVELS:
+            at = next((t for t, iou in expected if iou >= level), None)
+            assert row[f"time_to_{level * 100:.0f}_s"] == ("" if at is None else str(at))
+        forgot = person is people[1] and row["condition"] == "room"
+        assert (row["strokes"], row["undos"]) == ("4" if forgot else "5", "1")
+        assert (row["head_m"], row["right_m"], row["left_m"]) == ("7.0", "", "")
+        spent, duration = float(row["painting"]), float(row["duration_s"])
+        assert spent == pytest.approx(max(0.0, duration - 0.5) / duration, abs=2e-3)
+        # Answers 1 2 3 4 5 1 2 3 4 5: (0+3+2+1+4 + 4+1+2+3+0) 2.5 = 50, and 1 to 6 of 21 steps.
+        assert (float(row["sus"]), float(row["tlx"])) == (50, pytest.approx(100 * 2.5 / 20))
+        assert (row["sus_5"], row["tlx_6"], row["end_1"]) == ("5", "6", "1")
+    table = parquet.read_table(tmp_path / "tasks.parquet").to_pylist()
+    assert [str(each["iou"]) for each in table] == [each["iou"] for each in rows]
+
+
+def test_the_log_and_the_report_are_files(
+    people: list[Person], lead: Client, tmp_path: Path
+) -> None:
+    study = lead.studies["halves"]
+    study.log(1, tmp_path / "log.csv")
+    rows = rows_of(tmp_path / "log.csv")
+    assert [int(each["record"]) for each in rows] == [*range(people[0].logged)]
+    poses = [each for each in rows if each["kind"] == "pose"]
+    assert [poses[1][f"head_{axis}"] for axis in ("x", "y", "z", "qw")] == [
+        "3.0",
+        "4.0",
+        "0.0",
+        "1.0",
+    ]
+    assert (poses[0]["right_x"], poses[1]["right_x"], poses[1]["task"]) == ("", "1.0", "try")
+    study.report(tmp_path / "report.html")
+    report = (tmp_path / "report.html").read_text()
+    assert "<h1>Two halves</h1>" in report
+    assert "room – desk" in report
+    assert report.count("<svg") > 5
+
+
+def test_replay_gives_the_labels_or_the_first_difference(
+    people: list[Person], lead: Client, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch, server: Served,
+) -> None:  # fmt: skip
+    first = lead.studies["halves"].replay(1)
+    assert (first.equal, first.edits, first.difference) == (True, 2 * (3 + 6), "")
+    monkeypatch.setenv("POINTBRUSH_SERVER", server.url)
+    monkeypatch.setenv("POINTBRUSH_TOKEN", server.token)
+    assert main(["study", "replay", "halves"]) == 1
+    out = capsys.readouterr()
+    assert "1\tequal\n2\troom, halves: the log has no record of edit " in out.out
+    assert main(["study", "list"]) == 0
+    assert capsys.readouterr().out == "halves\t2/2\tTwo halves\n"
+
+
+def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Served) -> None:
+    own, other = (person.seen[3]["sequence"] for person in people)
+    person = people[0]
+    listed = [each["id"] for each in person.call("GET", "/sequences?copies=true").json()]
+    assert own in listed
+    assert not {"wall", other} & {*listed}
+    for sequence in ("wall", other):
+        assert person.call("GET", f"/sequences/{sequence}/labels").status_code == 404
+        stroke_ = {"label": 1, "samples": []}
+        refused = person.call("POST", f"/sequences/{sequence}/frames/0/strokes", stroke_)
+        assert refused.status_code == 404
+    for path in ("/studies", "/jobs", f"/sequences/{own}/export?format=ply", "/taxonomy"):
+        assert person.call("GET", path).status_code == 403
+    assert person.call("DELETE", f"/sequences/{own}").status_code == 403
+    wrong = httpx.get(f"{server.url}{API}/study/{'x' * 32}/step")
+    assert (wrong.status_code, "code" in wrong.json()["detail"]) == (401, True)
+    # Copies are in no list of others, and not in statistics.
+    with Client(server.url, server.workspace.labels.tokens.add("annotator", "ann")) as ann:
+        assert [each.id for each in ann.sequences()] == ["wall"]
+        with pytest.raises(NotFoundError):
+            ann[own]
+
+
+def test_invalid_studies_name_the_fault(lead: Client) -> None:
+    for text, words in (
+        ("title: [", "expected YAML"),
+        ("title: &a T\nconsent: *a", "without aliases"),
+        (json.dumps(STUDY | {"design": "both"}), "design"),
+        (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"labels": ["up"]}]}), "left, right"),
+        (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"frames": "9:"}]}), "0:4"),
+        (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"recording": "none"}]}), "'none'"),
+    ):
+        with pytest.raises(PointbrushError, match=words):
+            lead.studies.create(text=text)
+    with pytest.raises(ConflictError, match="without participants"):
+        lead.studies["halves"].change(text=json.dumps(STUDY))
+
+
+def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
+    workspace = server.workspace
+    session = workspace.labels.studies.get("halves", people[1].code)
+    copies = workspace.labels.studies.copies(session.account)
+    history = [edit for copy in copies.values() for edit in workspace.labels.edits(copy)]
+    edits = [edit.id for edit in history if edit.kind != "import"]
+    identities = [workspace.recording(copy).manifest.identity for copy in copies.values()]
+    secrets = [people[1].code, session.account, *edits, *identities]
+    folder = workspace.settings.workspace
+
+    def found() -> set[str]:
+        files = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+        names = "\n".join(map(str, files)).encode()
+        return {
+            text for text in secrets
+            if any(text.encode() in content for content in (*files.values(), names))
+        }  # fmt: skip
+
+    assert session.account in found()
+    assert people[1].code not in found()  # only its digest is stored
+    lead.studies["halves"].delete_participant(people[1].code)
+    assert found() == set()
+    assert people[1].call("GET", f"/study/{people[1].code}/step").status_code == 401
+    assert people[1].call("GET", "/sequences").status_code == 401
+    assert [each.number for each in lead.studies["halves"].participants()] == [1]
+    assert lead.studies["halves"].replay(1).equal
+    lead.studies["halves"].delete()
+    assert lead.studies.all() == []
+    assert [each.id for each in lead.sequences()] == ["wall"]
+    assert not any((folder / "studies").iterdir())
