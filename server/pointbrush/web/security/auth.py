@@ -16,8 +16,7 @@ from fastapi.security import APIKeyCookie, HTTPBearer
 from fastapi.security.base import SecurityBase
 from starlette.requests import HTTPConnection
 
-from pointbrush.accounts.accounts import OWNER, digest_of
-from pointbrush.accounts.accounts import OWNER, PARTICIPANT, Token, digest_of
+from pointbrush.accounts.accounts import OWNER, PARTICIPANT, digest_of
 from pointbrush.accounts.roles import ROLES, Role, require
 from pointbrush.database.job import Job
 from pointbrush.errors import (
@@ -28,8 +27,8 @@ from pointbrush.errors import (
 )
 from pointbrush.labels.recordings import Known
 from pointbrush.settings import Settings
-from pointbrush.values.team.accounts import AccountToken
 from pointbrush.teamwork.access import is_participant
+from pointbrush.values.team.accounts import AccountToken
 from pointbrush.web.context import known_query
 from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
 from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback

@@ -93,7 +93,7 @@ def to_text(study: Study) -> str:
 
 def _given(value: Any) -> Any:
     """Return the fields of a body that differ from their defaults, in all bodies inside it too."""
-    fields = value.given()
+    fields = value.to_json()
     return {
         name: [_given(each) if hasattr(each, "given") else each for each in part]
         if isinstance(part := getattr(value, name), tuple)

@@ -94,7 +94,7 @@ class Sessions:
 
     def append(self, account: str, log: LogRecords) -> LogPosition:
         """Append records to the log; raises ConflictError for a gap and for other content."""
-        records = [each.given() for each in log.records]
+        records = [each.to_json() for each in log.records]
         return LogPosition(self._store.studies.append(account, log.first, records))
 
     def overview(self, session: Session) -> Participant:
