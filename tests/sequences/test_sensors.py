@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pointbrush.errors import BadInputError
+from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats import read
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.sequences import (
@@ -31,7 +31,9 @@ from pointbrush.sequences.storage.manifest import (
     changed_manifest,
     checksum,
     parse_manifest,
+    rename_sequence,
 )
+from pointbrush.sequences.storage.recording_files import FolderFiles
 from pointbrush.sequences.wire.decoder import decode_points
 from tests.depth_camera import depth_camera
 from tests.rigs import cloud, corrections, mount, rig
@@ -239,3 +241,39 @@ def test_large_frames_of_several_sensors_are_refused(
     with pytest.raises(BadInputError, match="at most 100 points in a frame of several sensors"):
         put([frame_of({0: 60, 1: 60}, 0)], tmp_path / "s")
     assert not (tmp_path / "s").exists()
+
+
+def test_a_depth_camera_that_begins_later_has_a_lattice(tmp_path: Path) -> None:
+    lidar = (FramePart(0, mount(0)), cloud(500, 1))
+    later = join_sensors(SENSORS[:2], [lidar, (FramePart(1, mount(1)), depth_camera(0))])
+    first, second = put([join_sensors(SENSORS[:2], [lidar]), later], tmp_path / "s")
+    assert first.depth_ends is None
+    assert [part.lattice is None for part in second.parts] == [True, False]
+
+
+def test_copies_and_damage_of_a_recording_of_several_sensors(
+    stored_rig: Path, tmp_path: Path
+) -> None:
+    update_manifest(shutil.copytree(stored_rig, tmp_path / "s"), corrections=corrections())
+    FolderFiles(tmp_path / "s").copy_to(tmp_path / "copy")
+    rename_sequence(tmp_path / "copy", "copy")
+    original, copy = open_sequence(tmp_path / "s"), open_sequence(tmp_path / "copy")
+    assert copy.identity != original.identity
+    assert verify(tmp_path / "copy") == []
+    np.testing.assert_array_equal(copy[1].xyz, original[1].xyz)
+    path = tmp_path / "copy" / "frames" / "000000.points"
+    data = bytearray(path.read_bytes())
+    data[-100] ^= 1
+    path.write_bytes(data)
+    assert [problem.split(":")[0] for problem in verify(tmp_path / "copy")] == [
+        "frames/000000.points"
+    ]
+    with pytest.raises(DamagedError, match="frame 0 is damaged"):
+        open_sequence(tmp_path / "copy")[0].xyz  # noqa: B018 - reads the files
+
+
+def test_points_far_from_their_sensor_are_refused(tmp_path: Path) -> None:
+    far = PointFrame(np.full((2, 3), 5e5))
+    frame = join_sensors(SENSORS[:1], [(FramePart(0, np.eye(4)), far)])
+    with pytest.raises(BadInputError, match="sensor left: expected points within 16,384 m of it"):
+        put([frame], tmp_path / "s")

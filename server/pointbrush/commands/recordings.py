@@ -21,14 +21,17 @@ def info(given: argparse.Namespace, place: Place) -> Answer:
         return _listed(place.manifests())
     recording = place[given.sequence]
     known, palette = recording.manifest, recording.labels()
+    facts = _facts(known) | {"sensors": [sensor.name for sensor in known.sensors]}
     shown = _facts(known) | {
         "points": f"{min(known.points):,} to {max(known.points):,} a frame",
         "fields": ", ".join(known.fields),
         "revision": known.revision,
     }
+    if known.sensors:
+        shown["sensors"] = ", ".join(f"{each.name} ({each.type})" for each in known.sensors)
     lines = [f"{name:10} {value}" for name, value in shown.items()]
     lines += [f"label {label.id:<4} {label.color} {label.name}" for label in palette]
-    return Answer(_facts(known) | {"revision": known.revision, "labels": palette}, lines)
+    return Answer(facts | {"revision": known.revision, "labels": palette}, lines)
 
 
 def _listed(listed: Iterable[Manifest]) -> Answer:

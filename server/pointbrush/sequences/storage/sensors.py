@@ -65,11 +65,9 @@ class StoredSensor:
         corners = np.array(
             [[*corner, 1.0] for corner in product(*zip(self.lo, self.hi, strict=True))]
         )
-        shifts = [
-            ((self.mount(k) - self.imported_mount(k)) @ corners.T)[:3]
-            for k in range(len(self.mounts))
-        ]
-        greatest: NDArray[np.float64] = np.abs(shifts).max(axis=(0, 2))
+        change = np.reshape(self.correction, (4, 4)) - np.eye(4)
+        shifts = np.reshape(self.mounts, (-1, 4, 4)) @ (change @ corners.T)
+        greatest: NDArray[np.float64] = np.abs(shifts[:, :3]).max(axis=(0, 2))
         return greatest
 
 
