@@ -18,8 +18,8 @@ from pointbrush.sequences.storage.frame_files import (
     FRAMES,
     CopiedFiles,
     MappedFiles,
-    open_frame_files,
 )
+from pointbrush.sequences.storage.opening import open_frame_files
 from pointbrush.sequences.storage.source_fields import (
     FIELDS,
     read_rows,

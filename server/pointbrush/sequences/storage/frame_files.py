@@ -327,25 +327,6 @@ class PackedFiles(MappedFiles):
         return super().rows(self.positions, *self._packed.span(first, stop))
 
 
-def open_frame_files(
-    folder: Path,
-    index: int,
-    manifest: Manifest,
-    checksums: Mapping[str, str],
-    held: object = None,
-) -> CopiedFiles | MappedFiles:
-    """The files of frame ``index`` in ``folder``; raises DamagedError."""
-    place = folder / f"{index:06d}"
-    if manifest.sensors:
-        from pointbrush.sequences.storage.sensor_files import SensorFiles
-
-        return SensorFiles(folder, index, manifest, checksums, held)
-    if not place.is_dir():
-        return CopiedFiles(folder, index, manifest, checksums, held)
-    kind = MappedFiles if (place / "xyz.npy").exists() else PackedFiles
-    return kind(folder, index, manifest, checksums, held)
-
-
 def _cut(view: memoryview) -> bool:
     """Whether the file behind a mapping is shorter than the mapping: fstat, about 1 µs."""
     mapped = view.obj
