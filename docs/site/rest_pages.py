@@ -29,6 +29,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "Review": ("review",),
     "Projects": ("projects", "tasks", "agreement", "snapshots", "webhooks"),
     "People": ("accounts",),
+    "Studies": ("studies",),
     "Headset checks": ("headset checks",),
     "Server and jobs": ("server", "jobs"),
 }
