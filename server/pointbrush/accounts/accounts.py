@@ -23,7 +23,7 @@ from typing import Any
 
 from sqlalchemy import Connection, Row, and_, bindparam, delete, insert, select, update
 
-from pointbrush.accounts.roles import ROLES, Role
+from pointbrush.accounts.roles import Role, require_known
 from pointbrush.database.database import Database
 from pointbrush.database.lost_answers import write_once
 from pointbrush.database.schema import accounts, sign_ins, tokens
@@ -123,8 +123,7 @@ class Tokens:
         that no token may have, ConflictError for the name of a valid token unless ``another`` token
         of it is wanted.
         """
-        if role not in ROLES:
-            raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
+        require_known(role)
         if name:
             require_token_name(name)
         secret = secrets.token_urlsafe(32)

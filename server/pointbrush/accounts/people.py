@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 from pointbrush.accounts.accounts import Tokens
-from pointbrush.accounts.roles import ROLES, Role, require
+from pointbrush.accounts.roles import ROLES, Role, require, require_known
 from pointbrush.errors import NotFoundError
 from pointbrush.values.team.accounts import Account, NewToken, Token
 
@@ -39,9 +39,10 @@ class People:
     def create(self, account: str, role: Role, days: float | None, by: Role) -> NewToken:
         """Create an account with its first token, and return the token.
 
-        Raises BadInputError for an invalid name, ConflictError if the account has a valid token,
-        ForbiddenError.
+        Raises BadInputError for an unknown role or an invalid name, ConflictError if the account
+        has a valid token, ForbiddenError.
         """
+        require_known(role)
         require(by, role)
         return self._added(self._tokens.add(role, account, expiry_of(days)))
 

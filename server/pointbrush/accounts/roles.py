@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from typing import get_args
 
-from pointbrush.errors import ForbiddenError
+from pointbrush.errors import BadInputError, ForbiddenError
 from pointbrush.values.kinds import Role as Role
 
 ROLES: tuple[Role, ...] = get_args(get_args(Role)[0])
 """All roles, lowest first."""
+
+
+def require_known(role: str) -> None:
+    """Raise BadInputError for an unknown role."""
+    if role not in ROLES:
+        raise BadInputError(f"role: expected one of {', '.join(ROLES)}, got {role!r}")
 
 
 def includes(role: Role, needed: Role) -> bool:

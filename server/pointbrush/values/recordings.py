@@ -8,7 +8,6 @@ from typing import Annotated
 
 from pointbrush.values.base import Body, Rule, Value
 from pointbrush.values.kinds import Matrix4, Name, SensorType, Vector
-from pointbrush.values.matrices import Pose
 
 Rate = Annotated[float, Rule(gt=0, le=1000, allow_inf_nan=False)]
 
@@ -31,14 +30,14 @@ class Sensor(Value):
     """Its name in the files, or the one that its import gave it."""
     type: SensorType
     """Its kind."""
-    mounts: tuple[Pose, ...]
+    mounts: tuple[Matrix4, ...]
     """Transform from its coordinates to those of a frame, corrections included: one for all frames,
     or one for each."""
     times: tuple[float | None, ...]
     """Time of its measurement in each frame, seconds; null: unknown."""
     points: tuple[int, ...]
     """Number of its points in each frame."""
-    correction: Pose
+    correction: Matrix4
     """Part of the mounts that corrects the files': the identity, or a small motion."""
 
 

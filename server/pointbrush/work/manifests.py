@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
-import numpy as np
-
 from pointbrush import sequences
 from pointbrush.labels import Progress
 from pointbrush.sequences.storage.sensors import StoredSensor
@@ -80,8 +78,8 @@ def _manifest(
 
 
 def _sensor(stored: StoredSensor) -> Sensor:
-    mounts = tuple(stored.mount(k) for k in range(len(stored.mounts)))
-    return Sensor.of(stored, mounts=mounts, correction=np.reshape(stored.correction, (4, 4)))
+    mounts = tuple(tuple(stored.mount(k).ravel().tolist()) for k in range(len(stored.mounts)))
+    return Sensor.of(stored, mounts=mounts, correction=tuple(stored.correction))
 
 
 def _moved(corner: Sequence[float], shift: Sequence[float]) -> tuple[float, float, float]:
