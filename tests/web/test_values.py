@@ -13,10 +13,12 @@ import pytest
 from fastapi import FastAPI
 from fastapi.routing import APIRoute
 
+from pointbrush.client.uploads import ImportKeywords, LabelKeywords
 from pointbrush.settings import Settings
 from pointbrush.values import labels
 from pointbrush.values.base import UNSET, Value
 from pointbrush.values.classes import value_classes
+from pointbrush.values.imports import ImportOptions, LabelImportOptions
 from pointbrush.values.team import projects
 from pointbrush.web.app import create_app
 from pointbrush.web.strokes import FloorBody, ObjectBody, StrokeBody
@@ -117,6 +119,13 @@ def test_no_two_values_share_most_fields_without_containing_each_other() -> None
     pairs = combinations(value_classes(), 2)
     alike = {(one.__name__, other.__name__) for one, other in pairs if defined_twice(one, other)}
     assert alike == set(DIFFERENT)
+
+
+@pytest.mark.parametrize(
+    ("keywords", "kind"), [(ImportKeywords, ImportOptions), (LabelKeywords, LabelImportOptions)]
+)
+def test_keywords_of_imports_are_the_fields_of_their_values(keywords: Any, kind: Any) -> None:
+    assert keywords.__annotations__.keys() == {each.name for each in fields(kind)} - {"id"}
 
 
 def test_a_change_tells_an_absent_field_from_null() -> None:

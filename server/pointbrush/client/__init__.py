@@ -35,7 +35,14 @@ from pointbrush.values.edits import Edit, PastEdit
 from pointbrush.values.exports import ExportFormat
 from pointbrush.values.frames import Camera
 from pointbrush.values.headset_checks import HeadsetReport, HeadsetReportFile
-from pointbrush.values.imports import Entry, ImportPreview
+from pointbrush.values.imports import (
+    Entry,
+    ImportedLabels,
+    ImportedRecording,
+    ImportOptions,
+    ImportPreview,
+    LabelImportOptions,
+)
 from pointbrush.values.jobs import Job
 from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
@@ -107,11 +114,15 @@ __all__ = [
     "HeadsetReportFile",
     "HeadsetReports",
     "HeldOut",
+    "ImportOptions",
     "ImportPreview",
+    "ImportedLabels",
+    "ImportedRecording",
     "Job",
     "Label",
     "LabelAgreement",
     "LabelDifference",
+    "LabelImportOptions",
     "LabelledPeople",
     "Manifest",
     "NewParticipant",

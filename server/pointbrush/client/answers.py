@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from functools import cache
 from html import escape
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import httpx
 import numpy as np
@@ -15,6 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import TypeAdapter
 
 from pointbrush import errors
+from pointbrush.values.boxes import FittedBoxes
+from pointbrush.values.edits import Edit
+from pointbrush.values.imports import ImportedLabels, ImportedRecording
+from pointbrush.values.jobs import Job
+from pointbrush.values.people import LabelledPeople
+from pointbrush.values.tracking import Run
 
 BY_TITLE = {
     kind.title: kind
@@ -69,6 +75,24 @@ def read(kind: type[Value], entry: Any) -> Value:
     Raises ValidationError for an answer of another shape, such as from another version.
     """
     found: Value = _adapter(cast(Hashable, kind)).validate_python(entry)
+    return found
+
+
+JobResult: TypeAlias = (
+    Edit | FittedBoxes | ImportedLabels | ImportedRecording | LabelledPeople | Run
+)
+"""Results of jobs, by kind; predictions of classifiers are an ``Edit``."""
+
+
+def result_of(job: Job, result: Mapping[str, Any]) -> JobResult:
+    """Return the result of a job as a value."""
+    kinds: dict[str, Any] = {
+        "import": ImportedRecording if "sequence" in result else ImportedLabels,
+        "prediction": LabelledPeople if "people" in result else Edit,
+        "fitting": FittedBoxes,
+        "tracking": Run,
+    }
+    found: JobResult = read(kinds[job.kind], result)
     return found
 
 

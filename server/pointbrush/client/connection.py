@@ -11,9 +11,10 @@ from typing import Any, Self
 from urllib.parse import parse_qs, urlsplit, urlunsplit
 
 import httpx
+from typing_extensions import Unpack
 
 from pointbrush.client.accounts import Accounts
-from pointbrush.client.answers import read
+from pointbrush.client.answers import JobResult, read, result_of
 from pointbrush.client.classifiers import Classifiers
 from pointbrush.client.headset_reports import HeadsetReports
 from pointbrush.client.projects import Projects
@@ -33,7 +34,7 @@ from pointbrush.client.steps import (
     steps,
 )
 from pointbrush.client.studies import Studies
-from pointbrush.client.uploads import AnyPath, Files, upload
+from pointbrush.client.uploads import AnyPath, Files, ImportKeywords, upload
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.values.exports import ExportFormat
 from pointbrush.values.imports import Entry, ImportPreview
@@ -136,7 +137,7 @@ class Server(Part[L]):
         *,
         server_path: AnyPath | None = None,
         patience: float = PATIENCE,
-        **options: Any,
+        **options: Unpack[ImportKeywords],
     ) -> Steps[Job]:
         """Start an import and return its job; arguments as of ``import_files``."""
         return _start_import(files, server_path, options, patience)
@@ -149,7 +150,7 @@ class Server(Part[L]):
         *,
         progress: bool = False,
         patience: float = PATIENCE,
-        **options: Any,
+        **options: Unpack[ImportKeywords],
     ) -> Steps[Recording[L]]:
         """Import a path on the server; the same as ``import_files(server_path=...)``."""
         return self._imported(None, server_path, options, progress, patience)
@@ -163,13 +164,13 @@ class Server(Part[L]):
         server_path: AnyPath | None = None,
         progress: bool = False,
         patience: float = PATIENCE,
-        **options: Any,
+        **options: Unpack[ImportKeywords],
     ) -> Steps[Recording[L]]:
         """Upload files and folders of this machine, import them as one recording, and wait.
 
-        ``server_path`` imports a path on the server instead of ``files``.  ``options``: name, fps,
-        format, columns, delimiter, scale, up, topic, poses, by_order, drop_invalid, project.
-        ``progress`` shows a bar.  ``patience``: seconds for which the server may be away.
+        ``server_path`` imports a path on the server instead of ``files``.  ``options``: fields of
+        ``ImportOptions``.  ``progress`` shows a bar.  ``patience``: seconds for which the server
+        may be away.
         """
         return self._imported(files, server_path, options, progress, patience)
 
@@ -177,7 +178,7 @@ class Server(Part[L]):
         self,
         files: Files | None,
         server_path: AnyPath | None,
-        options: dict[str, Any],
+        options: ImportKeywords,
         progress: bool,
         patience: float,
     ) -> Steps[Recording[L]]:
@@ -187,7 +188,12 @@ class Server(Part[L]):
 
     @steps
     def preview(
-        self, /, files: Files | None = None, *, server_path: AnyPath | None = None, **options: Any
+        self,
+        /,
+        files: Files | None = None,
+        *,
+        server_path: AnyPath | None = None,
+        **options: Unpack[ImportKeywords],
     ) -> Steps[ImportPreview]:
         """Preview an import: format, frames, fps, columns, warnings and more; nothing is imported.
 
@@ -309,13 +315,15 @@ class Server(Part[L]):
     @steps
     def wait(
         self, job: Job, *, progress: bool = False, patience: float = PATIENCE
-    ) -> Steps[dict[str, Any]]:
-        """Wait for a job and return its result.  ``progress`` shows a bar.
+    ) -> Steps[JobResult]:
+        """Wait for a job and return its result, as the call that waits for it.
+
+        ``progress`` shows a bar.
 
         ``patience``: seconds for which the server may be away, such as during a restart.  Raises
         PointbrushError with the error of a failed job, CancelledError, UnavailableError.
         """
-        return finished(job, progress=progress, patience=patience)
+        return result_of(job, (yield from finished(job, progress=progress, patience=patience)))
 
 
 class Client(Server[SyncLink]):
@@ -388,7 +396,7 @@ def _address(url: str, token: str) -> dict[str, Any]:
 
 
 def _start_import(
-    files: Files | None, server_path: AnyPath | None, options: dict[str, Any], patience: float
+    files: Files | None, server_path: AnyPath | None, options: ImportKeywords, patience: float
 ) -> Steps[Job]:
     job = str(uuid.uuid4())
     request = upload("/sequences", files, {"id": job, **options}, server_path, patience=patience)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from numpy.typing import ArrayLike
+from typing_extensions import Unpack
 
 from pointbrush.client.answers import html_table, layer_of, npz_of, read, tuple_of
 from pointbrush.client.boxes import Boxes
@@ -16,12 +17,13 @@ from pointbrush.client.classifiers import ByExample
 from pointbrush.client.frame import Frames
 from pointbrush.client.review import Review
 from pointbrush.client.steps import PATIENCE, L, Part, Request, Steps, T, finished, started, steps
-from pointbrush.client.uploads import AnyPath, Files, upload
+from pointbrush.client.uploads import AnyPath, Files, LabelKeywords, upload
 from pointbrush.client.watching import Watch
 from pointbrush.errors import NotFoundError
 from pointbrush.values.base import Body
 from pointbrush.values.boxes import BoxFit, FittedBoxes
 from pointbrush.values.edits import Edit, PastEdit
+from pointbrush.values.imports import ImportedLabels
 from pointbrush.values.jobs import Job
 from pointbrush.values.labels import (
     AddedLabels,
@@ -326,7 +328,7 @@ class Recording(Part[L]):
         server_path: AnyPath | None = None,
         dry_run: bool = False,
         patience: float = PATIENCE,
-        **options: Any,
+        **options: Unpack[LabelKeywords],
     ) -> Steps[Job]:
         """Start an import of labels and return its job; arguments as of ``import_labels``."""
         return (yield from self._label_import(files, server_path, options, dry_run, patience))
@@ -341,20 +343,16 @@ class Recording(Part[L]):
         dry_run: bool = False,
         progress: bool = False,
         patience: float = PATIENCE,
-        **options: Any,
-    ) -> Steps[dict[str, Any]]:
+        **options: Unpack[LabelKeywords],
+    ) -> Steps[ImportedLabels]:
         """Upload labels made elsewhere, import them as one edit, and wait; returns the report.
 
-        ``server_path`` imports a path on the server instead of ``files``.  ``options``: ``format``;
-        ``map``, the names of classes as JSON, YAML, XML of point_labeler or lines ``number name``;
-        ``field``, the field of the points that holds labels; ``no_ground``, leave the ground out
-        of boxes; ``by_order``, match files to frames by their order instead of their names;
-        ``boxes``: keep boxes (keep), label the points inside (points), or both; ``allow_empty``,
-        accept files that label nothing, which raise an error otherwise.
-        ``dry_run`` changes nothing.  ``patience``: as of ``track``.
+        ``server_path`` imports a path on the server instead of ``files``.  ``options``: fields of
+        ``LabelImportOptions``.  ``dry_run`` changes nothing.  ``patience``: as of ``track``.
         """
         job = yield from self._label_import(files, server_path, options, dry_run, patience)
-        return (yield from finished(job, progress=progress, patience=patience))
+        result = yield from finished(job, progress=progress, patience=patience)
+        return read(ImportedLabels, result)
 
     @steps
     def import_source_labels(self) -> Steps[None]:
@@ -365,7 +363,7 @@ class Recording(Part[L]):
         self,
         files: Files | None,
         server_path: AnyPath | None,
-        given: dict[str, Any],
+        given: LabelKeywords,
         dry_run: bool,
         patience: float,
     ) -> Steps[Job]:

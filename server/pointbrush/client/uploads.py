@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
+from typing_extensions import TypedDict
+
 from pointbrush.client.steps import Request
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.values.imports import ImportedBoxes
 
 
 class UploadFile:
@@ -55,6 +58,36 @@ Files = AnyPath | Sequence[AnyPath]
 """Files and folders of this machine, or one of them."""
 
 
+class ImportKeywords(TypedDict, total=False):
+    """Corrections of an import's files, the fields of ``ImportOptions``; None: as in the files."""
+
+    name: str | None
+    fps: float | None
+    format: str | None
+    columns: str | Sequence[str] | None
+    delimiter: str | None
+    decimal_comma: bool | None
+    scale: float | None
+    up: str | None
+    topic: str | None
+    poses: str | None
+    by_order: bool
+    drop_invalid: bool
+    project: str
+
+
+class LabelKeywords(TypedDict, total=False):
+    """Choices on how label files are read, the fields of ``LabelImportOptions``."""
+
+    format: str | None
+    no_ground: bool
+    by_order: bool
+    allow_empty: bool
+    field: str | None
+    boxes: ImportedBoxes
+    map: str | None
+
+
 def parts_of(given: Files) -> Parts:
     """Return files, and files in folders with their relative paths, as parts of an upload.
 
@@ -87,7 +120,7 @@ def parts_of(given: Files) -> Parts:
 def upload(
     path: str,
     files: Files | None,
-    options: dict[str, Any],
+    options: Mapping[str, Any],
     server_path: AnyPath | None = None,
     *,
     query: dict[str, str] | None = None,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from pointbrush.values.base import Body, Meanings, Rule, Value, integral
@@ -89,7 +90,7 @@ class LabelOptions(Value):
     by_order: bool = False
     """Match files to frames by their order instead of their names."""
     allow_empty: bool = False
-    """Accept files that label nothing."""
+    """Accept files that label nothing, which are an error otherwise."""
     field: Annotated[str, Rule(min_length=1, max_length=200)] | None = None
     """Field of the points that holds the labels; null: detected."""
     boxes: ImportedBoxes = "both"
@@ -143,6 +144,74 @@ class Entry(Value):
 
 
 @dataclass(frozen=True, slots=True)
+class FileFrame(Value):
+    """A file, and the frame that it is or belongs to."""
+
+    file: str
+    """Path of the file."""
+    frame: int
+    """Number of the frame."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewedFrame(Value):
+    """Points of a frame that a preview has read."""
+
+    points: int
+    """Number of points."""
+    left_out: int
+    """Number of points without a position, which are left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewedColumn(Value):
+    """A column of the points."""
+
+    name: str
+    """Name in the file."""
+    meaning: str
+    """Meaning, such as ``x``; empty: left out."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewedTopic(Value):
+    """A topic of a bag."""
+
+    name: str
+    """Name of the topic."""
+    type: str
+    """Type of its messages."""
+    messages: int
+    """Number of its messages."""
+    clouds: bool
+    """Its messages are point clouds."""
+    read: bool
+    """The import reads it."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreviewedPoses(Value):
+    """Poses of the frames."""
+
+    source: str
+    """Place where they were found."""
+    agree: bool | None
+    """Frames agree better with them than without; null: not measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class UnitGuess(Value):
+    """Estimated unit of the files."""
+
+    name: str
+    """Name of the unit."""
+    scale: float
+    """Metres per unit."""
+    extent: tuple[float, float, float]
+    """Width of the middle 96 % of the first frame's points along each axis, in units."""
+
+
+@dataclass(frozen=True, slots=True)
 class Preview(Value):
     """Preview of an import of files: the frames, fields and labels that it would store."""
 
@@ -160,20 +229,20 @@ class Preview(Value):
     """Source of ``fps``."""
     order: str
     """Rule that orders the frames."""
-    files: list[dict[str, Any]]
-    """Frame of each file: ``file`` and ``frame``, the first hundred."""
-    points: list[dict[str, int]]
-    """``points`` and points ``left_out`` of the first frames."""
-    columns: list[dict[str, str]]
-    """``name`` and ``meaning`` of each column."""
-    topics: list[dict[str, Any]]
-    """``name``, ``type`` and number of ``messages`` of each topic of a bag."""
-    cameras: list[dict[str, Any]]
+    files: tuple[FileFrame, ...]
+    """Frame of each file, the first hundred."""
+    points: tuple[PreviewedFrame, ...]
+    """Points of the first frames."""
+    columns: tuple[PreviewedColumn, ...]
+    """Columns of the points."""
+    topics: tuple[PreviewedTopic, ...]
+    """Topics of a bag."""
+    cameras: tuple[dict[str, Any], ...]
     """``name`` of each camera with pictures."""
-    poses: dict[str, Any] | None
-    """``source`` of the poses, and whether frames ``agree`` by them; null: none."""
-    units: dict[str, Any]
-    """``name`` of the unit, its ``scale`` in metres, and the ``extent`` of the points."""
+    poses: PreviewedPoses | None
+    """Poses of the frames; null: none."""
+    units: UnitGuess
+    """Unit of the coordinates."""
     up: str
     """Axis that points up."""
     up_from: str
@@ -182,7 +251,7 @@ class Preview(Value):
     """The files contain labels."""
     corrections: dict[str, Any]
     """Corrections of the request that take effect."""
-    warnings: list[str]
+    warnings: tuple[str, ...]
     """Sentences about doubtful content."""
 
 
@@ -192,3 +261,83 @@ class ImportPreview(Preview):
 
     upload: str | None = None
     """Id of the uploaded files, which are kept for an hour; null: files of the server."""
+
+
+@dataclass(frozen=True, slots=True)
+class ImportedRecording(Value):
+    """Result of an import of a recording."""
+
+    up: str
+    """Axis that points up."""
+    up_from: str
+    """Source of ``up``."""
+    sequence: str
+    """Id of the recording."""
+    frames: int
+    """Number of frames."""
+    fps: float
+    """Frames per second of playback."""
+    points: int
+    """Number of points of all frames."""
+    dropped: int
+    """Number of points without a position, which were left out."""
+    warnings: tuple[str, ...]
+    """Sentences about doubtful content."""
+
+
+@dataclass(frozen=True, slots=True)
+class LabelledFrame(FileFrame):
+    """A frame with labels from a file."""
+
+    points: int
+    """Number of labelled points."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImportedLabels(Value):
+    """Result of an import of labels, or of its trial; lists have the first hundred entries."""
+
+    labelled: int = 0
+    """Number of labelled points in the files."""
+    doubtful: int = 0
+    """Number of points at the borders of masks, which stay as they are."""
+    frames: tuple[LabelledFrame, ...] = ()
+    """Frames with labels, each with its file."""
+    files: tuple[FileFrame, ...] = ()
+    """All files that match a frame."""
+    matched: int = 0
+    """Number of frames with labels."""
+    unknown: int = 0
+    """Number of classes without a name."""
+    unknown_classes: tuple[int, ...] = ()
+    """Numbers of classes without a name."""
+    unmatched: int = 0
+    """Number of frames without labels and of files without a frame."""
+    unmatched_frames: tuple[int, ...] = ()
+    """Numbers of frames without labels."""
+    unmatched_files: tuple[str, ...] = ()
+    """Files without a frame."""
+    labels: Mapping[str, int] = field(default_factory=dict)
+    """Number of labelled points, by id of the label."""
+    new_labels: tuple[str, ...] = ()
+    """Names of the new labels."""
+    boxes: int = 0
+    """Number of new boxes."""
+    box_poses: int = 0
+    """Number of poses of new boxes."""
+    box_poses_known: int = 0
+    """Number of poses that a label already has."""
+    boxes_resized: tuple[str, ...] = ()
+    """Objects whose sizes differ between frames: their box has the median size."""
+    boxes_empty: int = 0
+    """Number of boxes with a side of 0, which are left out."""
+    warnings: tuple[str, ...] = ()
+    """Sentences about doubtful content."""
+    locked: tuple[str, ...] = ()
+    """Names of locked labels that keep points which the files label otherwise."""
+    edit: str | None = None
+    """UUID of the edit; null: none was made."""
+    changed: int = 0
+    """Number of points with a new label."""
+    refused: str = ""
+    """Reason why the files label nothing; empty: they label something."""

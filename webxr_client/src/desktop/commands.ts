@@ -2,6 +2,7 @@
  * All commands in one table: the keyboard uses it, the help lists its
  * shortcuts, and the command palette offers all of it.
  */
+import { pickPalette, savePalette } from '../engine/labels/palette-files';
 import { actions, type ViewPreset } from '../store/actions';
 import { toggleExample } from '../example/store';
 import { signOut } from '../engine/people/sign-out';
@@ -149,8 +150,8 @@ const LABELS = [
   label('Show only the label, or all', (id) => labels.solo(id)),
   label('Split the label into parts', (id) => labels.splitLabel(id)),
   label('Delete the label', (id) => labels.deleteLabel(id)),
-  plain('Add the labels of a palette file…', () => labels.pickPalette(), edits),
-  plain('Save the palette as a file', () => labels.savePalette()),
+  plain('Add the labels of a palette file…', pickPalette, edits),
+  plain('Save the palette as a file', savePalette),
 ];
 
 const VIEW = [

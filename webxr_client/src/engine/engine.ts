@@ -37,9 +37,7 @@ import { Following } from './following';
 import { Inbox } from './inbox';
 import { labelActions } from './labels/labels';
 import { Pacing } from './pacing';
-import { paletteActions } from './labels/palette-files';
 import { Playback } from './playback';
-import { importActions } from './recordings/importing';
 import { recordingActions } from './recordings/recordings';
 import { forgetRun, reviewActions, startRun, unsure } from './review';
 import { showTravel, timeActions } from './time';
@@ -221,9 +219,7 @@ export class Engine {
 
   private bind(): void {
     bindActions(recordingActions);
-    bindActions(importActions);
     bindActions(labelActions);
-    bindActions(paletteActions);
     bindActions(brushActions);
     bindActions(reviewActions);
     bindActions(floorActions);

@@ -12,7 +12,14 @@ import type { CloudFrame } from '../cloud/points/frame';
 import { numbersOfRuns } from '../protocol/codec';
 import type { Engine } from './engine';
 import { exportFormats, lastExport } from './recordings/export-formats';
-import { attempt, finished, sequencePath, succeeds } from './recordings/recordings';
+import {
+  attempt,
+  exportSequence,
+  finished,
+  loadExportFormats,
+  sequencePath,
+  succeeds,
+} from './recordings/recordings';
 
 /** Step of finding people; `frame`: the searched frame; `people`: the found ones. */
 export interface PeopleStep {
@@ -95,8 +102,8 @@ const format = computed(() => {
 function exportNow(): void {
   peopleStep.value = null;
   void attempt('The export did not start', async () => {
-    await actions.recordings.loadExportFormats();
-    if (format.peek()) await actions.recordings.exportSequence(format.peek()!.format);
+    await loadExportFormats();
+    if (format.peek()) await exportSequence(format.peek()!.format);
   });
 }
 

@@ -1,10 +1,10 @@
 /** Downloads. */
+import { exportSequence, loadExportFormats } from '../engine/recordings/recordings';
 import type { ExportFormat } from '../protocol/values';
 import { computed, signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { plural } from '../common/format';
 import { Icon } from '../common/icons';
-import { actions } from '../store/actions';
 import { boxes } from '../store/boxes';
 import { menuOf, search } from '../store/palette-list';
 import { state } from '../store/state';
@@ -36,14 +36,14 @@ export function ExportButton() {
 function ExportMenu() {
   const range = frameRange.value && ordered(frameRange.value);
   const frames = range && onlyRange.value ? `${range[0]}:${range[1] + 1}` : '';
-  useEffect(() => void actions.recordings.loadExportFormats(), []);
+  useEffect(() => void loadExportFormats(), []);
   // An export of only the range contains nothing but the range.
   const stretch = range && !frames ? `${range[0]}:${range[1] + 1}` : '';
   const chosen = validation.value;
   const val = ['none', ':', stretch].includes(chosen) ? chosen : '';
   const start = ({ format, splits }: ExportFormat): void => {
     exportOpen.value = false;
-    void actions.recordings.exportSequence(format, frames, splits ? val : '');
+    void exportSequence(format, frames, splits ? val : '');
   };
   const all = state.sequence.value?.frames ?? 0;
   return (

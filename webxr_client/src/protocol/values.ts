@@ -352,6 +352,14 @@ export interface ExportFormat {
   readonly classes: boolean;
 }
 
+/** A file, and the frame that it is or belongs to. */
+export interface FileFrame {
+  /** Path of the file. */
+  readonly file: string;
+  /** Number of the frame. */
+  readonly frame: number;
+}
+
 /** A suspicious place or label; its ``id`` is the same in every check until it is gone. */
 export interface Finding {
   /** Id, unique in the recording. */
@@ -589,6 +597,130 @@ export interface HeldOut {
   readonly places: number;
 }
 
+/** Corrections by a person to an import's files; null: as found in the files. */
+export interface ImportOptions {
+  /** Name of the recording; null: of the file or folder. */
+  readonly name?: string | null;
+  /** Frames per second of playback, at most 1000. */
+  readonly fps?: number | null;
+  /** Format of the files, such as ``ply``; null: detected. */
+  readonly format?: string | null;
+  /** Meanings of the columns in their order: x,y,z,intensity,red,green,blue,label,instance, or ``-`` for a column to leave out; or pairs: ``scalar_Foo=label``; also one text with commas. */
+  readonly columns?: readonly string[] | null;
+  /** Separator of the columns of text files: one character, or comma, semicolon, tab, space or pipe. */
+  readonly delimiter?: string | null;
+  /** Numbers in text files have a decimal comma: 1,5 is one and a half. */
+  readonly decimal_comma?: boolean | null;
+  /** Metres per unit of the files and their poses: 0.001 for millimetres; null: 1. */
+  readonly scale?: number | null;
+  /** Axis of the coordinates that points up, such as ``z`` or ``-y`` (``--up=-y``). */
+  readonly up?: string | null;
+  /** Topic of a bag to read; ``topic#frame_id`` if sensors share a topic. */
+  readonly topic?: string | null;
+  /** ``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame. */
+  readonly poses?: string | null;
+  /** Match poses with times, and colour images, to frames by their order. */
+  readonly by_order?: boolean;
+  /** Leave out points without finite coordinates instead of refusing the files. */
+  readonly drop_invalid?: boolean;
+  /** Id of the project that the recording joins. */
+  readonly project?: string;
+  /** UUID of the job: a repeated call does not begin another job. */
+  readonly id?: string | null;
+}
+
+/** Preview of an import with its uploaded files. */
+export interface ImportPreview {
+  /** Name that the recording would get. */
+  readonly name: string;
+  /** Format of the files. */
+  readonly format: string;
+  /** Format that people see. */
+  readonly title: string;
+  /** Number of frames; null: unknown before the whole is read. */
+  readonly frames: number | null;
+  /** Frames per second of playback. */
+  readonly fps: number;
+  /** Source of ``fps``. */
+  readonly fps_from: string;
+  /** Rule that orders the frames. */
+  readonly order: string;
+  /** Frame of each file, the first hundred. */
+  readonly files: readonly FileFrame[];
+  /** Points of the first frames. */
+  readonly points: readonly PreviewedFrame[];
+  /** Columns of the points. */
+  readonly columns: readonly PreviewedColumn[];
+  /** Topics of a bag. */
+  readonly topics: readonly PreviewedTopic[];
+  /** ``name`` of each camera with pictures. */
+  readonly cameras: readonly (Readonly<Record<string, unknown>>)[];
+  /** Poses of the frames; null: none. */
+  readonly poses: PreviewedPoses | null;
+  /** Unit of the coordinates. */
+  readonly units: UnitGuess;
+  /** Axis that points up. */
+  readonly up: string;
+  /** Source of ``up``. */
+  readonly up_from: string;
+  /** The files contain labels. */
+  readonly labels: boolean;
+  /** Corrections of the request that take effect. */
+  readonly corrections: Readonly<Record<string, unknown>>;
+  /** Sentences about doubtful content. */
+  readonly warnings: readonly string[];
+  /** Id of the uploaded files, which are kept for an hour; null: files of the server. */
+  readonly upload: string | null;
+}
+
+/** Result of an import of labels, or of its trial; lists have the first hundred entries. */
+export interface ImportedLabels {
+  /** Number of labelled points in the files. */
+  readonly labelled: number;
+  /** Number of points at the borders of masks, which stay as they are. */
+  readonly doubtful: number;
+  /** Frames with labels, each with its file. */
+  readonly frames: readonly LabelledFrame[];
+  /** All files that match a frame. */
+  readonly files: readonly FileFrame[];
+  /** Number of frames with labels. */
+  readonly matched: number;
+  /** Number of classes without a name. */
+  readonly unknown: number;
+  /** Numbers of classes without a name. */
+  readonly unknown_classes: readonly number[];
+  /** Number of frames without labels and of files without a frame. */
+  readonly unmatched: number;
+  /** Numbers of frames without labels. */
+  readonly unmatched_frames: readonly number[];
+  /** Files without a frame. */
+  readonly unmatched_files: readonly string[];
+  /** Number of labelled points, by id of the label. */
+  readonly labels: Readonly<Record<string, number>>;
+  /** Names of the new labels. */
+  readonly new_labels: readonly string[];
+  /** Number of new boxes. */
+  readonly boxes: number;
+  /** Number of poses of new boxes. */
+  readonly box_poses: number;
+  /** Number of poses that a label already has. */
+  readonly box_poses_known: number;
+  /** Objects whose sizes differ between frames: their box has the median size. */
+  readonly boxes_resized: readonly string[];
+  /** Number of boxes with a side of 0, which are left out. */
+  readonly boxes_empty: number;
+  /** Sentences about doubtful content. */
+  readonly warnings: readonly string[];
+  /** Names of locked labels that keep points which the files label otherwise. */
+  readonly locked: readonly string[];
+  /** UUID of the edit; null: none was made. */
+  readonly edit: string | null;
+  /** Number of points with a new label. */
+  readonly changed: number;
+  /** Reason why the files label nothing; empty: they label something. */
+  readonly refused: string;
+}
+
 /** State and progress of a job. */
 export interface Job {
   /** UUID of the job. */
@@ -633,6 +765,16 @@ export interface LabelDifference {
   readonly name: string;
   /** Kind of difference. `came`: the label was added; `went`: the label was removed; `changed`: the label has another name, category or colour */
   readonly kind: 'came' | 'went' | 'changed';
+}
+
+/** A frame with labels from a file. */
+export interface LabelledFrame {
+  /** Path of the file. */
+  readonly file: string;
+  /** Number of the frame. */
+  readonly frame: number;
+  /** Number of labelled points. */
+  readonly points: number;
 }
 
 /** Facts of a recording; a damaged one may have only its id. */
@@ -859,6 +1001,44 @@ export interface Placement {
   readonly T_shown_frame: readonly number[];
   /** Labels with points that their tracks place elsewhere. */
   readonly moving: readonly Moving[];
+}
+
+/** A column of the points. */
+export interface PreviewedColumn {
+  /** Name in the file. */
+  readonly name: string;
+  /** Meaning, such as ``x``; empty: left out. */
+  readonly meaning: string;
+}
+
+/** Points of a frame that a preview has read. */
+export interface PreviewedFrame {
+  /** Number of points. */
+  readonly points: number;
+  /** Number of points without a position, which are left out. */
+  readonly left_out: number;
+}
+
+/** Poses of the frames. */
+export interface PreviewedPoses {
+  /** Place where they were found. */
+  readonly source: string;
+  /** Frames agree better with them than without; null: not measured. */
+  readonly agree: boolean | null;
+}
+
+/** A topic of a bag. */
+export interface PreviewedTopic {
+  /** Name of the topic. */
+  readonly name: string;
+  /** Type of its messages. */
+  readonly type: string;
+  /** Number of its messages. */
+  readonly messages: number;
+  /** Its messages are point clouds. */
+  readonly clouds: boolean;
+  /** The import reads it. */
+  readonly read: boolean;
 }
 
 /** A project as the caller sees it. */
@@ -1111,6 +1291,16 @@ export interface Token {
   readonly revoked: string | null;
   /** It gives access now. */
   readonly valid: boolean;
+}
+
+/** Estimated unit of the files. */
+export interface UnitGuess {
+  /** Name of the unit. */
+  readonly name: string;
+  /** Metres per unit. */
+  readonly scale: number;
+  /** Width of the middle 96 % of the first frame's points along each axis, in units. */
+  readonly extent: readonly [number, number, number];
 }
 
 /** An address that receives events. */

@@ -3,15 +3,7 @@
  * (`bindActions`); before it does, they do nothing.
  */
 import type { Label, Track } from '../protocol/messages';
-import type {
-  Bookmark,
-  BrushShape,
-  ChosenFile,
-  ImportOptions,
-  PointerSample,
-  Tool,
-  ViewSettings,
-} from './types';
+import type { Bookmark, BrushShape, PointerSample, Tool, ViewSettings } from './types';
 
 /** `labels` null: every label painted in the start frame; `stop` smaller than `start`: backward. */
 export type TrackRequest = Readonly<Omit<Track, 'type' | 'id'>>;
@@ -112,15 +104,6 @@ export interface LabelActions {
   splitLabel(id: number): Promise<void>;
   /** The label that was active before this one; false when there is none. */
   lastLabel(): boolean;
-  /** Put the palette in an order of label ids; the server keeps it. */
-  arrangeLabels(order: readonly number[]): Promise<void>;
-  loadTemplates(): Promise<void>;
-  /** Add the labels of a template that are not there yet. */
-  addTemplate(name: string): Promise<void>;
-  /** Choose a palette file, and add its labels. */
-  pickPalette(): void;
-  /** Download the palette. */
-  savePalette(): Promise<void>;
   /** Show only this label; again, or null: all of them. */
   solo(id: number | null): void;
   /** Take labels from all of their points in frames. */
@@ -155,45 +138,13 @@ export interface TrackingActions {
   cancelJob(id: string, keep?: boolean): Promise<void>;
 }
 
-/** Recordings of the workspace: opening, care and export. */
+/** The list of recordings, the open one, and the next task. */
 export interface RecordingActions {
   refreshSequences(): Promise<void>;
   openSequence(id: string): void;
   closeSequence(): void;
-  renameSequence(id: string, name: string): Promise<void>;
-  deleteSequence(id: string): Promise<void>;
-  refreshDeleted(): Promise<void>;
-  /** Bring a deleted recording back, with its labels. */
-  restoreSequence(identity: string): Promise<void>;
-  /** Try again to bring in the labels in a recording's own files. */
-  importSourceLabels(id: string): Promise<void>;
-  /** Downloads; `frames` like "3:10", empty for all; `val`: frames for validation, or "none";
-   * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one. */
-  loadExportFormats(): Promise<void>;
-  exportSequence(
-    format: string,
-    frames?: string,
-    val?: string,
-    snapshot?: string,
-    id?: string,
-  ): Promise<void>;
   /** Begin the next task of a project, or continue the user's own task. */
   nextTask(project: string, work?: 'label' | 'review'): Promise<void>;
-}
-
-/** Imports of recordings and labels, with a preview. */
-export interface ImportActions {
-  /** Preview files on the server's machine, or here; `takeImport` imports them. */
-  importPath(path: string, options?: ImportOptions): Promise<void>;
-  importFiles(files: readonly ChosenFile[], options?: ImportOptions): Promise<void>;
-  /** Correct the reading of the files; null takes an option back. */
-  correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void>;
-  /** The files are labels of a recording, or (null) a new recording, or several. */
-  retargetImport(sequence: string | null, several?: boolean): Promise<void>;
-  /** Import a part of the draft, by its number, or leave it out; of all without a number. */
-  includePart(included: boolean, number?: number): void;
-  takeImport(): Promise<void>;
-  leaveImport(): Promise<void>;
 }
 
 /** The connection, messages and the headset. */
@@ -214,7 +165,6 @@ export interface Actions {
   readonly history: HistoryActions;
   readonly tracking: TrackingActions;
   readonly recordings: RecordingActions;
-  readonly imports: ImportActions;
   readonly page: PageActions;
 }
 
@@ -231,7 +181,6 @@ const implemented: Record<keyof Actions, Implementations> = {
   history: {},
   tracking: {},
   recordings: {},
-  imports: {},
   page: {},
 };
 

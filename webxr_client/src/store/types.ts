@@ -1,7 +1,12 @@
 /** Types of the store's values: `state.ts` has the signals. */
 import type { Unsent } from '../net/wire';
 import type { Brush, ServerPresence, Welcome } from '../protocol/messages';
-import type { Manifest } from '../protocol/values';
+import type {
+  ImportedLabels,
+  ImportOptions as Corrections,
+  ImportPreview,
+  Manifest,
+} from '../protocol/values';
 
 // ── connection and people ────────────────────────────────────────────────────────────────────
 
@@ -219,92 +224,14 @@ export interface Upload {
   readonly total: number;
 }
 
-/** Preview of an import of files, as the server sends it. */
-export interface ImportPreview {
-  readonly name: string;
-  readonly format: string;
-  readonly title: string;
-  readonly frames: number | null;
-  readonly fps: number;
-  readonly fps_from: string;
-  readonly order: string;
-  readonly files: readonly FileFrame[];
-  readonly points: readonly { readonly points: number; readonly left_out: number }[];
-  readonly columns: readonly { readonly name: string; readonly meaning: string }[];
-  readonly topics: readonly {
-    readonly name: string;
-    readonly type: string;
-    readonly messages: number;
-    readonly clouds: boolean;
-    readonly read: boolean;
-  }[];
-  readonly cameras: readonly {
-    readonly name: string;
-    /** Sources of the colours and intrinsics of depth images. */
-    readonly color?: string;
-    readonly intrinsics?: string;
-  }[];
-  readonly poses: { readonly source: string; readonly agree: boolean | null } | null;
-  readonly units: {
-    readonly name: string;
-    readonly scale: number;
-    readonly extent: readonly number[];
-  };
-  readonly up: string;
-  readonly labels: boolean;
-  readonly warnings: readonly string[];
-  readonly upload: string | null;
-}
-
-/** A file and the frame that it is, or is matched to. */
-export interface FileFrame {
-  readonly file: string;
-  readonly frame: number;
-}
-
-/** Findings of an import of labels, or of its preview. */
-export interface LabelsFound {
-  readonly labelled: number;
-  readonly changed: number;
-  /** Points at the borders of masks, which stay as they are. */
-  readonly doubtful: number;
-  readonly matched: number;
-  readonly files: readonly FileFrame[];
-  /** Points by label id. */
-  readonly labels: Readonly<Record<string, number>>;
-  readonly new_labels: readonly unknown[];
-  readonly unknown_classes: readonly number[];
-  readonly unmatched_frames: readonly number[];
-  readonly unmatched_files: readonly string[];
-  /** Names of locked labels that keep points which the files label otherwise. */
-  readonly locked: readonly string[];
-  readonly warnings: readonly string[];
-}
-
 /** A file, and where it lies below the folder that was chosen or dropped ("/" between names). */
 export interface ChosenFile {
   readonly file: File;
   readonly path: string;
 }
 
-/** Corrections of a person to files, by the names of the server's options. */
-export interface ImportOptions {
-  readonly name?: string;
-  readonly fps?: number;
-  readonly format?: string;
-  readonly columns?: string;
-  readonly delimiter?: string;
-  readonly decimal_comma?: boolean;
-  readonly scale?: number;
-  readonly up?: string;
-  readonly topic?: string;
-  readonly poses?: string;
-  /** Match files beside the frames by order, ignoring their names. */
-  readonly by_order?: boolean;
-  readonly drop_invalid?: boolean;
-  /** Id of the project that the recording joins. */
-  readonly project?: string;
-}
+/** Corrections of a person to files; `columns` as one text with commas. */
+export type ImportOptions = Omit<Corrections, 'columns'> & { readonly columns?: string };
 
 /** Files on their way in: chosen here (and sent, `upload`), or a path of the server's machine. */
 export interface ImportSource {
@@ -331,7 +258,7 @@ export interface ImportDraft extends ImportSource {
   /** Whether it is known that they are one recording, several, or labels. */
   readonly decided: boolean;
   readonly options: ImportOptions;
-  readonly labels: LabelsFound | null;
+  readonly labels: ImportedLabels | null;
   readonly busy: boolean;
 }
 

@@ -4,9 +4,8 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { day, plural, shortCount } from '../common/format';
 import { exportFormats, groupFormats } from '../engine/recordings/export-formats';
-import { rowOf } from '../engine/recordings/recordings';
+import { exportSequence, loadExportFormats, rowOf } from '../engine/recordings/recordings';
 import { Button } from '../panels/parts/controls';
-import { actions } from '../store/actions';
 import { canManage, state } from '../store/state';
 import { Choice, Field, Table } from '../panels/parts/fields';
 import { Entry } from './parts';
@@ -19,7 +18,7 @@ const name = signal('');
 export function Versions() {
   const of = project.value?.id;
   useEffect(() => void versions.loadSnapshots(), [of]);
-  useEffect(() => void actions.recordings.loadExportFormats(), []);
+  useEffect(() => void loadExportFormats(), []);
   return (
     <>
       {canManage.value && <Name />}
@@ -76,7 +75,7 @@ function Actions({ snapshot }: { snapshot: Snapshot }) {
         value=""
         disabled={!held}
         onChange={({ currentTarget }) => {
-          void actions.recordings.exportSequence(currentTarget.value, '', '', snapshot.id);
+          void exportSequence(currentTarget.value, '', '', snapshot.id);
           currentTarget.value = '';
         }}
       >

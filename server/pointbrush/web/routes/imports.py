@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -189,7 +189,7 @@ async def preview_import(
             raise
         hidden = BadInputError(workspace.paths.hide(str(error)))
         return problem_of(hidden, {"upload": named})
-    return ImportPreview(**asdict(found), upload=named)
+    return ImportPreview.of(found, upload=named)
 
 
 @router.delete("/imports/{upload}", status_code=204, **needs("manager", 404))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import asdict
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from pointbrush.labels import Commit, Label, LabelStore, Write
 from pointbrush.labels.classes.palette import Palette
 from pointbrush.labels.types import IMPORTED
 from pointbrush.sequences import Sequence as Recording
+from pointbrush.values.imports import ImportedLabels
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.imports.choosing import Chosen
 from pointbrush.work.imports.frame_labels import FoundBoxes, FrameLabels, Unmatched
@@ -69,9 +71,9 @@ class _ReadLabels(Receiver):
         report |= box_report(boxes, made, chosen)
         refused = "" if self._request.allow_empty else _emptiness(found, boxes, chosen)
         warnings += [*chosen.warnings(), *([refused] if refused else [])]
-        report |= {"warnings": warnings, "locked": locked, "edit": None, "changed": 0}
-        report |= {"refused": refused}
-        return report | ({"edit": commit.edit, "changed": commit.changed} if commit else {})
+        report |= {"warnings": warnings, "locked": locked, "refused": refused}
+        report |= {"edit": commit.edit, "changed": commit.changed} if commit else {}
+        return asdict(ImportedLabels(**report))
 
     def _all(self, kind: type[Item]) -> list[Item]:
         return [item for item in self.items if isinstance(item, kind)]

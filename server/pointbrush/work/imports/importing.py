@@ -22,6 +22,7 @@ from pointbrush.labels import LabelStore
 from pointbrush.sequences import LARGE_POINTS, RecordingInfo, Sequence, import_frames, import_large
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
+from pointbrush.values.imports import ImportedRecording
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.requests import ImportRequest, SampleRequest
 
@@ -185,13 +186,14 @@ def result(recording: Sequence, warnings: list[str], up: str | None = None) -> d
     """Return the report of a finished import job; ``up``: the given axis."""
     manifest = recording.manifest
     camera, far = "pixel" in manifest.fields, any(manifest.shift)
-    return {
-        "up": nearest_axis(manifest.T_found_room_local[1, :3]),
-        "up_from": up_source(up, camera=camera, far=far),
-        "sequence": manifest.id,
-        "frames": manifest.frames,
-        "fps": manifest.fps,
-        "points": int(sum(manifest.points)),
-        "dropped": int(sum(manifest.dropped)),
-        "warnings": warnings,
-    }
+    made = ImportedRecording(
+        up=nearest_axis(manifest.T_found_room_local[1, :3]),
+        up_from=up_source(up, camera=camera, far=far),
+        sequence=manifest.id,
+        frames=manifest.frames,
+        fps=manifest.fps,
+        points=int(sum(manifest.points)),
+        dropped=int(sum(manifest.dropped)),
+        warnings=tuple(warnings),
+    )
+    return asdict(made) | {"warnings": warnings}

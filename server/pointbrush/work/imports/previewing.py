@@ -6,7 +6,7 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import islice
 from typing import Any
 
@@ -27,7 +27,15 @@ from pointbrush.frame import PointFrame
 from pointbrush.jobs.worker import local_processes
 from pointbrush.sequences.floor import Kind, find_floor
 from pointbrush.sequences.room import nearest_axis
-from pointbrush.values.imports import Preview as Preview
+from pointbrush.values.imports import (
+    FileFrame,
+    Preview,
+    PreviewedColumn,
+    PreviewedFrame,
+    PreviewedPoses,
+    PreviewedTopic,
+    UnitGuess,
+)
 from pointbrush.work.imports.importing import (
     PART_POINTS,
     SINGLE_FPS,
@@ -55,16 +63,6 @@ FAR = 1e4
 """Distance from the origin beyond which coordinates are map coordinates, metres."""
 SAMPLE = 20_000
 """Number of points used to estimate the up axis."""
-
-
-@dataclass(frozen=True, slots=True)
-class UnitGuess:
-    """Estimated unit of the files; ``scale``: metres per unit."""
-
-    name: str
-    scale: float
-    extent: tuple[float, float, float]
-    """Width of the middle 96 % of the first frame's points along each axis, in units."""
 
 
 def preview(request: ImportRequest, limits: Limits) -> Preview:
@@ -110,26 +108,26 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             fps_from=fps_from,
             order=listing.order,
             files=_files(source),
-            points=[{"points": len(f), "left_out": f.dropped} for f in frames],
-            columns=[{"name": n, "meaning": meaning} for n, meaning in columns.items()],
+            points=tuple(PreviewedFrame(len(f), f.dropped) for f in frames),
+            columns=tuple(PreviewedColumn(*pair) for pair in columns.items()),
             topics=_topics(listing),
-            cameras=_cameras(listing, source.pictures),
+            cameras=tuple(_cameras(listing, source.pictures)),
             poses=poses,
-            units={"name": units.name, "scale": units.scale, "extent": list(units.extent)},
+            units=units,
             up=up,
             up_from=up_from,
             labels=any(frame.label is not None and frame.label.any() for frame in frames),
             corrections={k: v for k, v in asdict(chosen).items() if v not in (None, ())},
-            warnings=list(warnings),
+            warnings=tuple(warnings),
         )
 
 
-def _files(source: Source) -> list[dict[str, Any]]:
+def _files(source: Source) -> tuple[FileFrame, ...]:
     """Return the file of each frame, as far as known without reading all; at most MOST_LISTED."""
     names = [file.name for listing in source.listings for file in listing.frames]
     if source.count != len(names):
         names = [origin.file for origin in source.origins]
-    return [{"file": name, "frame": frame} for frame, name in enumerate(names[:MOST_LISTED])]
+    return tuple(FileFrame(name, frame) for frame, name in enumerate(names[:MOST_LISTED]))
 
 
 def _first_frames(
@@ -155,17 +153,12 @@ def _up(frame: PointFrame, given: str | None) -> tuple[str, str]:
     return found, up_source(given, camera=camera, far=far)
 
 
-def _topics(listing: Listing) -> list[dict[str, Any]]:
-    return [
-        {
-            "name": topic.name,
-            "type": topic.type,
-            "messages": topic.count,
-            "clouds": topic.has_clouds,
-            "read": topic.name == listing.topic.partition(SENSOR)[0],
-        }
-        for topic in listing.topics
-    ]
+def _topics(listing: Listing) -> tuple[PreviewedTopic, ...]:
+    read = listing.topic.partition(SENSOR)[0]
+    return tuple(
+        PreviewedTopic(each.name, each.type, each.count, each.has_clouds, each.name == read)
+        for each in listing.topics
+    )
 
 
 def _cameras(listing: Listing, pictures: PictureSource | None) -> list[dict[str, Any]]:
@@ -180,7 +173,7 @@ def _cameras(listing: Listing, pictures: PictureSource | None) -> list[dict[str,
 
 def _poses(
     listing: Listing, frames: Sequence[PointFrame], warnings: dict[str, None]
-) -> dict[str, Any] | None:
+) -> PreviewedPoses | None:
     posed = [frame for frame in frames if frame.pose is not None]
     if not posed:
         return None
@@ -191,7 +184,7 @@ def _poses(
             f"consecutive frames agree better without the poses of {source} than with them; "
             "poses 'none' leaves them out"
         )
-    return {"source": source, "agree": None if worse is None else not worse}
+    return PreviewedPoses(source, None if worse is None else not worse)
 
 
 def guess_units(xyz: NDArray[Any], format: str) -> UnitGuess:

@@ -26,8 +26,9 @@ from pointbrush.work.imports.source_labels import SourceLabels
 from pointbrush.work.job_service import JobContext
 
 if TYPE_CHECKING:
+    from pointbrush.values.imports import Preview
     from pointbrush.work.imports.annotating import LabelImports
-    from pointbrush.work.imports.previewing import Preview, Previews
+    from pointbrush.work.imports.previewing import Previews
 
 log = logging.getLogger(__name__)
 

@@ -10,6 +10,7 @@ from pointbrush.database.guards import TRACKING, Guard
 from pointbrush.database.job import Job
 from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
+from pointbrush.labels import Commit
 from pointbrush.tracking import FrameResult
 from pointbrush.values.runs import TrackingOptions, TrackingRequest
 from pointbrush.work.events import Provisional, Retracted
@@ -67,6 +68,9 @@ class Runs(EditService[TrackRequest]):
         """Track labels in a job, or return the job that ``author`` started by this id."""
         request = TrackRequest(body.start, body.stop, body.labels, TrackingOptions.of(body))
         return self.begin(sequence, request, author, body.id)
+
+    def _committed(self, made: Commit) -> dict[str, Any]:
+        return super()._committed(made) | {"frames": len(made.frames)}
 
     def _prepare(self, request: TrackRequest, job: Job) -> Submission:
         recording = self._recording(job.sequence or "")

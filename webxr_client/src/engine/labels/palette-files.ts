@@ -1,6 +1,5 @@
 /** Palettes from templates and files, and as a file; the order of the palette. */
 import { signal } from '@preact/signals';
-import type { ActionParts } from '../../store/actions';
 import { saveFile } from '../../net/files';
 import { api } from '../../net/rest';
 import type { AddedLabels, Palette } from '../../protocol/values';
@@ -14,16 +13,21 @@ export interface Template {
   readonly labels: number;
 }
 
-/** Palettes of well-known datasets; filled by `actions.labels.loadTemplates`. */
+/** Palettes of well-known datasets; filled by `loadTemplates`. */
 export const templates = signal<readonly Template[]>([]);
 
-async function loadTemplates(): Promise<void> {
-  const found = await api<Record<string, Palette>>('GET', 'templates');
-  templates.value = Object.entries(found).map(([name, { labels }]) => ({
-    name,
-    labels: labels.length,
-  }));
-}
+export const loadTemplates = (): Promise<void> =>
+  attempt('The templates did not load', async () => {
+    const found = await api<Record<string, Palette>>('GET', 'templates');
+    templates.value = Object.entries(found).map(([name, { labels }]) => ({
+      name,
+      labels: labels.length,
+    }));
+  });
+
+/** Add the labels of a template that are not there yet. */
+export const addTemplate = (template: string): Promise<void> =>
+  attempt('The labels were not added', () => add({ template }));
 
 async function add(body: unknown): Promise<void> {
   const { added } = await api<AddedLabels>('POST', openPath('palette'), body);
@@ -46,29 +50,30 @@ export function labelsOf(text: string): readonly unknown[] {
   return labels as unknown[];
 }
 
-async function addFile(file: File): Promise<void> {
-  await attempt('The palette was not added', async () =>
-    add({ labels: labelsOf(await file.text()) }),
-  );
-}
-
-function pick(): void {
+/** Choose a palette file, and add its labels. */
+export function pickPalette(): void {
   const input = document.createElement('input');
   input.type = 'file';
   input.accept = '.json,application/json';
   input.onchange = () => {
     const file = input.files?.[0];
-    if (file) void addFile(file);
+    if (!file) return;
+    void attempt('The palette was not added', async () =>
+      add({ labels: labelsOf(await file.text()) }),
+    );
   };
   input.click();
 }
 
-async function save(): Promise<void> {
-  const palette = await api('GET', openPath('palette'));
-  saveFile(`${state.sequence.peek()?.name ?? 'recording'} palette.json`, palette);
-}
+/** Download the palette. */
+export const savePalette = (): Promise<void> =>
+  attempt('The palette was not saved', async () => {
+    const palette = await api('GET', openPath('palette'));
+    saveFile(`${state.sequence.peek()?.name ?? 'recording'} palette.json`, palette);
+  });
 
-function arrange(order: readonly number[]): Promise<void> {
+/** Put the palette in an order of label ids; the server keeps it. */
+export function arrangeLabels(order: readonly number[]): Promise<void> {
   const place = new Map(order.map((id, index) => [id, index]));
   const at = (id: number): number => place.get(id) ?? order.length;
   const next = [...state.palette.peek()].sort((a, b) => at(a.id) - at(b.id));
@@ -76,13 +81,3 @@ function arrange(order: readonly number[]): Promise<void> {
     api('PUT', openPath('palette/order'), { labels: order }),
   );
 }
-
-export const paletteActions = {
-  labels: {
-    arrangeLabels: arrange,
-    loadTemplates: () => attempt('The templates did not load', loadTemplates),
-    addTemplate: (template) => attempt('The labels were not added', () => add({ template })),
-    pickPalette: pick,
-    savePalette: () => attempt('The palette was not saved', save),
-  },
-} satisfies ActionParts;

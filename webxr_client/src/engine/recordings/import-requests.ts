@@ -1,8 +1,8 @@
 /** Requests of imports: previews, uploads, jobs. */
 import { api, ApiError, upload } from '../../net/rest';
 import type { Job } from '../../protocol/messages';
-import type { Job as RestJob } from '../../protocol/values';
-import type { ChosenFile, ImportOptions, ImportPreview, ImportSource } from '../../store/state';
+import type { ImportPreview, Job as RestJob } from '../../protocol/values';
+import type { ChosenFile, ImportOptions, ImportSource } from '../../store/state';
 import { commonName, jobOf, setUpload } from './recordings';
 
 function formOf(files: readonly ChosenFile[], options: object): FormData {

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import type { SequenceInfo } from '../../protocol/messages';
 import { onPage, orderCounts } from '../../panels/importing/found';
 import { state } from '../../store/state';
-import { importActions } from './importing';
+import { correctImport, importFiles, takeImport } from './importing';
 
 const upload = vi.hoisted(() => vi.fn());
 
@@ -36,15 +36,13 @@ afterEach(() => {
 
 describe('labels whose files have the names of no frame', () => {
   it('come in by their order once somebody says so, and what went where is told', async () => {
-    await importActions.imports.importFiles([
-      { file: new File(['x'], 'b.label'), path: 'b.label' },
-    ]);
+    await importFiles([{ file: new File(['x'], 'b.label'), path: 'b.label' }]);
     const draft = state.importing.value!;
     expect(orderCounts(draft)).toBe(true);
     expect(onPage(draft.error)).toBe('expected files of frames, got 1 of no frame: b.label;');
-    await importActions.imports.correctImport({ by_order: true });
+    await correctImport({ by_order: true });
     expect(state.importing.value).toMatchObject({ error: '', labels: { files: FOUND.files } });
-    await importActions.imports.takeImport();
+    await takeImport();
     const [path, form] = upload.mock.lastCall as [string, FormData];
     expect([path, form.get('by_order')]).toEqual(['sequences/wall/annotations', 'true']);
     expect(state.notices.value).toMatchObject([

@@ -1,8 +1,7 @@
 /** Import of files: preview, corrections, and the import itself. */
-import type { ActionParts } from '../../store/actions';
 import { count as shown, plural } from '../../common/format';
 import { api } from '../../net/rest';
-import type { Entry, Job as RestJob } from '../../protocol/values';
+import type { Entry, ImportedLabels, Job as RestJob } from '../../protocol/values';
 import {
   notify,
   state,
@@ -10,7 +9,6 @@ import {
   type ImportDraft,
   type ImportOptions,
   type ImportPart,
-  type LabelsFound,
 } from '../../store/state';
 import {
   areReady,
@@ -61,7 +59,7 @@ async function preview(): Promise<void> {
 }
 
 /** Change one of several recordings, or all. */
-function changePart(patch: Partial<ImportPart>, number?: number): void {
+export function changePart(patch: Partial<ImportPart>, number?: number): void {
   const parts = state.importing.peek()?.parts;
   if (!parts) return;
   const of = (k: number): boolean => number === undefined || number === k;
@@ -69,7 +67,7 @@ function changePart(patch: Partial<ImportPart>, number?: number): void {
 }
 
 /** Preview the labels that files give the open recording, or import them unless `dry`. */
-async function labels(dry: boolean): Promise<LabelsFound> {
+async function labels(dry: boolean): Promise<ImportedLabels> {
   const { files, sequence, options } = state.importing.peek()!;
   const path = `${sequencePath(sequence!)}/annotations${dry ? '?dry_run=true' : ''}`;
   const id = crypto.randomUUID();
@@ -77,7 +75,7 @@ async function labels(dry: boolean): Promise<LabelsFound> {
   const begun = send<RestJob>(path, files!, { id, ...more });
   if (!dry) void begun.then((job) => noteJob(jobOf(job)), () => undefined); // prettier-ignore
   const { result } = await finished(id, begun);
-  return result as unknown as LabelsFound;
+  return result as unknown as ImportedLabels;
 }
 
 async function lookForLabels(): Promise<void> {
@@ -117,7 +115,11 @@ async function begin(draft: Partial<ImportDraft>): Promise<void> {
   if (state.importing.peek()?.decided) await look();
 }
 
-function importFiles(files: readonly ChosenFile[], options: ImportOptions = {}): Promise<void> {
+/** Preview files; `takeImport` imports them. */
+export function importFiles(
+  files: readonly ChosenFile[],
+  options: ImportOptions = {},
+): Promise<void> {
   const open = state.sequence.peek();
   const areLabels = files.every(({ path }) => LABELS.test(path));
   const name = options.name ?? commonName(files);
@@ -136,7 +138,7 @@ export const importEach = (path: string): Promise<void> =>
     await begin({ path, parts: partsOfEntries(entries) });
   });
 
-async function leave(): Promise<void> {
+export async function leaveImport(): Promise<void> {
   const draft = state.importing.peek();
   newestRequest++;
   state.importing.value = null;
@@ -144,13 +146,15 @@ async function leave(): Promise<void> {
 }
 
 /** Return the message about an import of label files. */
-export function outcome({ changed, matched, files, locked }: LabelsFound): string {
+export function outcome({ changed, matched, files, locked }: ImportedLabels): string {
   const count = `${shown(changed)} points in ${plural(matched, 'frame')}`;
   const pairs = files.slice(0, MAX_NAMED_FILES).map(({ file, frame }) => `${file} → ${frame}`);
   if (files.length > MAX_NAMED_FILES) pairs.push(`${files.length - MAX_NAMED_FILES} more`);
   const kept = locked.length > 0 ? [`Locked labels kept their points: ${locked.join(', ')}`] : [];
   return [count, pairs.join(', '), ...kept].filter(Boolean).join('. ');
 }
+
+export const takeImport = (): Promise<void> => attempt('The import did not start', take);
 
 async function take(): Promise<void> {
   const draft = state.importing.peek();
@@ -174,26 +178,25 @@ async function take(): Promise<void> {
   noteJob(job);
 }
 
-export const importActions = {
-  imports: {
-    importPath: (path, options = {}) => begin({ path, options }),
-    importFiles,
-    correctImport: (patch) => {
-      const draft = state.importing.peek();
-      if (!draft) return Promise.resolve();
-      const options = Object.fromEntries(
-        Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
-      );
-      change({ options });
-      return look();
-    },
-    retargetImport: (sequence, several = false) => {
-      const files = state.importing.peek()?.files ?? [];
-      change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
-      return look();
-    },
-    includePart: (included, number) => changePart({ included }, number),
-    takeImport: () => attempt('The import did not start', take),
-    leaveImport: leave,
-  },
-} satisfies ActionParts;
+/** Preview files on the server's machine; `takeImport` imports them. */
+export function importPath(path: string): Promise<void> {
+  return begin({ path, options: {} });
+}
+
+/** Correct the reading of the files; null takes an option back. */
+export function correctImport(patch: Partial<Record<keyof ImportOptions, unknown>>): Promise<void> {
+  const draft = state.importing.peek();
+  if (!draft) return Promise.resolve();
+  const options = Object.fromEntries(
+    Object.entries({ ...draft.options, ...patch }).filter(([, value]) => value !== null),
+  );
+  change({ options });
+  return look();
+}
+
+/** The files are labels of a recording, or (null) a new recording, or several. */
+export function retargetImport(sequence: string | null, several = false): Promise<void> {
+  const files = state.importing.peek()?.files ?? [];
+  change({ sequence, decided: true, parts: several ? partsOfFiles(files) : null });
+  return look();
+}

@@ -2,7 +2,7 @@ import type { ProjectInfo } from '../../protocol/values';
 import { afterEach, expect, test, vi } from 'vitest';
 import { state, type SequenceSummary } from '../../store/state';
 import { grouped, importInto, moveRecording, NO_CONDITIONS, search } from './projects';
-import { importActions } from './importing';
+import { importPath } from './importing';
 
 const row = (id: string, project: string) => ({ id, project }) as SequenceSummary;
 const project = (id: string) => ({ id, name: id }) as ProjectInfo;
@@ -52,6 +52,6 @@ test('a recording that is moved stands in its new project at once', async () => 
 test('an import joins the project that was chosen', async () => {
   answering({ upload: null });
   importInto.value = 'night';
-  await importActions.imports.importPath('/data/a');
+  await importPath('/data/a');
   expect(JSON.parse(calls[0]![2])).toEqual({ path: '/data/a', project: 'night' });
 });

@@ -3,7 +3,7 @@ import type { SequenceInfo, ServerMessage } from '../../protocol/messages';
 import { bindActions } from '../../store/actions';
 import { state } from '../../store/state';
 import { Inbox, type InboxDeps } from '../inbox';
-import { recordingActions } from './recordings';
+import { deleteSequence, exportSequence, importSourceLabels } from './recordings';
 import { recordingRow } from '../../store/testing';
 
 const click = vi.fn();
@@ -25,7 +25,7 @@ afterEach(() => {
 describe('an export', () => {
   it('says that there is no server instead of that it started', async () => {
     answer(() => Promise.reject(new TypeError('Failed to fetch')));
-    await recordingActions.recordings.exportSequence('ply');
+    await exportSequence('ply');
     expect(click).not.toHaveBeenCalled();
     expect(state.notices.value).toMatchObject([
       { kind: 'error', title: 'The export did not start', detail: 'The server did not answer.' },
@@ -34,7 +34,7 @@ describe('an export', () => {
 
   it('starts where the server has the recording', async () => {
     answer(() => Promise.resolve(Response.json({ id: 'wall' })));
-    await recordingActions.recordings.exportSequence('ply');
+    await exportSequence('ply');
     expect(click).toHaveBeenCalledOnce();
     expect(state.notices.value).toMatchObject([{ kind: 'success' }]);
   });
@@ -43,7 +43,7 @@ describe('an export', () => {
     const link = { click, href: '' };
     answer(() => Promise.resolve(Response.json({ id: 'wall' })));
     vi.stubGlobal('document', { baseURI: 'http://host/', createElement: () => link });
-    await recordingActions.recordings.exportSequence('openpcdet', '', '3:5');
+    await exportSequence('openpcdet', '', '3:5');
     expect(link.href).toMatch(/\/export\?format=openpcdet&val=3%3A5$/);
   });
 });
@@ -71,7 +71,7 @@ describe('a recording that is deleted here', () => {
   });
 
   it('is told once, and comes back as it was by Undo', async () => {
-    await recordingActions.recordings.deleteSequence('wall');
+    await deleteSequence('wall');
     const closed = {
       type: 'error',
       title: '',
@@ -104,7 +104,7 @@ describe('a recording whose labels did not come in', () => {
           : Response.json([row]),
       );
     });
-    await recordingActions.recordings.importSourceLabels('wall');
+    await importSourceLabels('wall');
     expect(requests).toEqual(['POST sequences/wall/source-labels', 'GET sequences']);
     expect(state.sequences.value).toMatchObject([{ labels_missing: 'the disk is full' }]);
     expect(state.notices.value).toMatchObject([

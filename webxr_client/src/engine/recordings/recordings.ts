@@ -102,9 +102,10 @@ export function leaveOut(id: string): void {
   state.sequences.value = state.sequences.peek()?.filter((row) => row.id !== id) ?? null;
 }
 
-async function refreshDeleted(): Promise<void> {
-  state.deleted.value = await api<DeletedSequence[]>('GET', 'sequences?deleted=true');
-}
+export const refreshDeleted = (): Promise<void> =>
+  attempt('The deleted recordings did not load', async () => {
+    state.deleted.value = await api<DeletedSequence[]>('GET', 'sequences?deleted=true');
+  });
 
 /** The address of a recording, under the API's. */
 export function sequencePath(id: string): string {
@@ -138,24 +139,34 @@ function download(href: string): void {
   link.click();
 }
 
-async function exportSequence(
+export const loadExportFormats = (): Promise<void> =>
+  attempt('The export formats did not load', async () => {
+    exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
+  });
+
+/**
+ * Download labels; `frames` like "3:10", empty for all; `val`: frames for validation, or "none";
+ * `snapshot`: id of the version of the labels; `id`: of a recording other than the open one.
+ */
+export const exportSequence = (
   format: string,
   frames = '',
   val = '',
   snapshot = '',
   id = state.sequence.peek()?.id,
-): Promise<void> {
-  if (id === undefined) return;
-  const query = new URLSearchParams({ format });
-  if (frames) query.set('frames', frames);
-  if (val) query.set('val', val);
-  if (snapshot) query.set('snapshot', snapshot);
-  // A failed or refused download reports no error: check with a request first.
-  await api('GET', sequencePath(id));
-  download(apiUrl(`${sequencePath(id)}/export?${query.toString()}`));
-  rememberExport(format);
-  notify('success', 'Export started', 'The browser saves the file in its downloads.');
-}
+): Promise<void> =>
+  attempt('The export did not start', async () => {
+    if (id === undefined) return;
+    const query = new URLSearchParams({ format });
+    if (frames) query.set('frames', frames);
+    if (val) query.set('val', val);
+    if (snapshot) query.set('snapshot', snapshot);
+    // A failed or refused download reports no error: check with a request first.
+    await api('GET', sequencePath(id));
+    download(apiUrl(`${sequencePath(id)}/export?${query.toString()}`));
+    rememberExport(format);
+    notify('success', 'Export started', 'The browser saves the file in its downloads.');
+  });
 
 /** Recordings deleted on this page, so that the server's message is not shown again. */
 export const deletedByPage = new Set<string>();
@@ -189,33 +200,34 @@ async function restore(key: string, open = false): Promise<void> {
   if (open && !state.sequence.peek()) actions.recordings.openSequence(restored.id);
 }
 
+export const renameSequence = (id: string, name: string): Promise<void> =>
+  attempt('The recording was not renamed', async () => {
+    await api('PATCH', sequencePath(id), { name });
+    const info = state.sequence.peek();
+    if (info?.id === id) state.sequence.value = { ...info, name };
+    await refreshSequences();
+  });
+
+export const deleteSequence = (id: string): Promise<void> =>
+  attempt('The recording was not deleted', () => remove(id));
+
+/** Bring a deleted recording back, with its labels. */
+export const restoreSequence = (identity: string): Promise<void> =>
+  attempt('The recording was not restored', () => restore(identity));
+
+/** Try again to bring in the labels in a recording's own files. */
+export const importSourceLabels = (id: string): Promise<void> =>
+  attempt('The labels were not imported', async () => {
+    try {
+      await api('POST', `${sequencePath(id)}/source-labels`);
+    } finally {
+      await refreshSequences();
+    }
+  });
+
 export const recordingActions = {
   recordings: {
     refreshSequences: () => attempt('The list of recordings did not load', refreshSequences),
-    renameSequence: (id, name) =>
-      attempt('The recording was not renamed', async () => {
-        await api('PATCH', sequencePath(id), { name });
-        const info = state.sequence.peek();
-        if (info?.id === id) state.sequence.value = { ...info, name };
-        await refreshSequences();
-      }),
-    deleteSequence: (id) => attempt('The recording was not deleted', () => remove(id)),
-    refreshDeleted: () => attempt('The deleted recordings did not load', refreshDeleted),
-    restoreSequence: (identity) =>
-      attempt('The recording was not restored', () => restore(identity)),
-    importSourceLabels: (id) =>
-      attempt('The labels were not imported', async () => {
-        try {
-          await api('POST', `${sequencePath(id)}/source-labels`);
-        } finally {
-          await refreshSequences();
-        }
-      }),
-    loadExportFormats: () =>
-      attempt('The export formats did not load', async () => {
-        exportFormats.value = await api<ExportFormat[]>('GET', 'exports');
-      }),
-    exportSequence: (...what) => attempt('The export did not start', () => exportSequence(...what)),
   },
   tracking: {
     cancelJob: (id, keep = false) =>

@@ -1,8 +1,14 @@
 /** Dialog between a drop and an import: findings in the files, and corrections of them. */
+import {
+  correctImport,
+  leaveImport,
+  retargetImport,
+  takeImport,
+} from '../../engine/recordings/importing';
 import { areReady, partsOfFiles } from '../../engine/recordings/import-parts';
 import { FIRST, projects } from '../../engine/recordings/projects';
-import { actions } from '../../store/actions';
-import { state, type ImportDraft, type ImportOptions, type ImportPreview } from '../../store/state';
+import type { ImportPreview } from '../../protocol/values';
+import { state, type ImportDraft, type ImportOptions } from '../../store/state';
 import { Button, Check } from '../parts/controls';
 import { ChoiceRow, Row } from '../parts/fields';
 import { useModal } from '../parts/modal';
@@ -31,7 +37,7 @@ export function ImportDialog() {
   if (!draft) return null;
   const submit = (event: Event): void => {
     event.preventDefault();
-    void actions.imports.takeImport();
+    void takeImport();
   };
   const { title, button } = wordsOf(draft);
   return (
@@ -41,7 +47,7 @@ export function ImportDialog() {
       aria-label="Import"
       onCancel={(event) => {
         event.preventDefault();
-        void actions.imports.leaveImport();
+        void leaveImport();
       }}
     >
       <form onSubmit={submit}>
@@ -53,7 +59,7 @@ export function ImportDialog() {
           <Content draft={draft} />
         </div>
         <footer class="line">
-          <Button label="Cancel" onClick={() => void actions.imports.leaveImport()} />
+          <Button label="Cancel" onClick={() => void leaveImport()} />
           <Button submit label={button} kind="primary" disabled={!isReady(draft)} />
         </footer>
       </form>
@@ -86,7 +92,7 @@ function Content({ draft }: { draft: ImportDraft }) {
         <Check
           label="Match files to frames by order, not by name"
           checked={options.by_order ?? false}
-          onChange={(checked) => correct({ by_order: checked || null })}
+          onChange={(checked) => void correctImport({ by_order: checked || null })}
         />
       )}
       {parts && <PartsTable parts={parts} busy={draft.busy} />}
@@ -107,8 +113,7 @@ function Target({ draft: { files, sequence, parts, decided } }: { draft: ImportD
   const open = state.sequence.value;
   const several = files ? (parts ?? partsOfFiles(files)).length : 0;
   if (!files || (!open && several < 2)) return null;
-  const choose = (target: string | null, each = false): void =>
-    void actions.imports.retargetImport(target, each);
+  const choose = (target: string | null, each = false): void => void retargetImport(target, each);
   return (
     <div class="segmented" role="group" aria-label="Content of the files">
       <Button
@@ -135,10 +140,6 @@ function Target({ draft: { files, sequence, parts, decided } }: { draft: ImportD
   );
 }
 
-function correct(patch: Partial<Record<keyof ImportOptions, unknown>>): void {
-  void actions.imports.correctImport(patch);
-}
-
 function Recording({ draft }: { draft: ImportDraft }) {
   const { options, parts } = draft;
   const found = parts ? null : draft.found;
@@ -156,7 +157,9 @@ function Recording({ draft }: { draft: ImportDraft }) {
             max="1000"
             step="any"
             value={options.fps ?? found?.fps ?? ''}
-            onChange={(event) => correct({ fps: Number(event.currentTarget.value) || null })}
+            onChange={(event) =>
+              void correctImport({ fps: Number(event.currentTarget.value) || null })
+            }
           />
         </Row>
         <Axes found={found} options={options} />
@@ -176,7 +179,7 @@ function ProjectOf({ options }: { options: ImportOptions }) {
       label="Project"
       value={options.project ?? FIRST}
       choices={projects.value.map((each) => [each.id, each.name] as const)}
-      onChange={(chosen) => correct({ project: chosen === FIRST ? null : chosen })}
+      onChange={(chosen) => void correctImport({ project: chosen === FIRST ? null : chosen })}
     />
   );
 }
@@ -188,7 +191,7 @@ function Name({ found, options }: CorrectedProps) {
         class="field"
         value={options.name ?? found?.name ?? ''}
         maxLength={200}
-        onChange={(event) => correct({ name: event.currentTarget.value.trim() || null })}
+        onChange={(event) => void correctImport({ name: event.currentTarget.value.trim() || null })}
       />
     </Row>
   );
@@ -206,7 +209,7 @@ function Axes({ found, options }: CorrectedProps) {
         label="Unit"
         value={String(options.scale ?? 1)}
         choices={UNITS}
-        onChange={(value) => correct({ scale: value === '1' ? null : Number(value) })}
+        onChange={(value) => void correctImport({ scale: value === '1' ? null : Number(value) })}
       />
       <ChoiceRow
         label="Up"
@@ -215,7 +218,7 @@ function Axes({ found, options }: CorrectedProps) {
           ['', found ? `automatic: ${signed(found.up)}` : 'automatic'],
           ...AXES.map((axis) => [axis, signed(axis)] as const),
         ]}
-        onChange={(value) => correct({ up: value || null })}
+        onChange={(value) => void correctImport({ up: value || null })}
       />
     </>
   );
@@ -228,7 +231,7 @@ function Poses({ found, options }: CorrectedProps) {
     <Check
       label={`Use the poses${poses ? ` from ${poses.source}` : ''}`}
       checked={options.poses !== 'none'}
-      onChange={(checked) => correct({ poses: checked ? null : 'none' })}
+      onChange={(checked) => void correctImport({ poses: checked ? null : 'none' })}
     />
   );
 }
@@ -243,7 +246,7 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
           label="Format"
           value={options.format ?? ''}
           choices={[['', 'automatic'], ...FORMATS]}
-          onChange={(value) => correct({ format: value || null })}
+          onChange={(value) => void correctImport({ format: value || null })}
         />
         <Row label="Columns">
           <input
@@ -253,14 +256,16 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
               found?.columns.map(({ meaning }) => meaning || '-').join(',') ?? 'x,y,z,intensity'
             }
             spellcheck={false}
-            onChange={(event) => correct({ columns: event.currentTarget.value.trim() || null })}
+            onChange={(event) =>
+              void correctImport({ columns: event.currentTarget.value.trim() || null })
+            }
           />
         </Row>
         <ChoiceRow
           label="Delimiter"
           value={options.delimiter ?? ''}
           choices={[['', 'automatic'], ...DELIMITERS.map((each) => [each, each] as const)]}
-          onChange={(value) => correct({ delimiter: value || null })}
+          onChange={(value) => void correctImport({ delimiter: value || null })}
         />
         <ChoiceRow
           label="Read 1,5 as"
@@ -270,12 +275,14 @@ function OtherWays({ draft: { found, options, error } }: { draft: ImportDraft })
             ['true', 'one and a half'],
             ['false', 'two values'],
           ]}
-          onChange={(value) => correct({ decimal_comma: value ? value === 'true' : null })}
+          onChange={(value) =>
+            void correctImport({ decimal_comma: value ? value === 'true' : null })
+          }
         />
         <Check
           label="Leave out invalid points (NaN, infinite)"
           checked={options.drop_invalid ?? false}
-          onChange={(checked) => correct({ drop_invalid: checked || null })}
+          onChange={(checked) => void correctImport({ drop_invalid: checked || null })}
         />
       </div>
     </details>
@@ -295,7 +302,7 @@ function Topics({ found, options }: { found: ImportPreview; options: ImportOptio
       choices={found.topics
         .filter((topic) => topic.clouds)
         .map((topic) => [topic.name, `${topic.name} · ${plural(topic.messages, 'message')}`])}
-      onChange={(value) => correct({ topic: value })}
+      onChange={(value) => void correctImport({ topic: value })}
     />
   );
 }

@@ -1,6 +1,6 @@
 /** Choosing files to import: by the browser's dialog or by dropping them on the page. */
 import { signal } from '@preact/signals';
-import { actions } from '../../store/actions';
+import { importFiles } from '../../engine/recordings/importing';
 import type { ChosenFile } from '../../store/state';
 
 /** Files are held over the page. */
@@ -22,7 +22,7 @@ export function pickFiles(folder = false): void {
 function importAll(files: readonly ChosenFile[]): void {
   // Hidden files of systems, such as .DS_Store, belong to no recording.
   const shown = files.filter(({ path }) => !path.split('/').some((part) => part.startsWith('.')));
-  if (shown.length > 0) void actions.imports.importFiles(shown);
+  if (shown.length > 0) void importFiles(shown);
 }
 
 /** Let files be dropped anywhere on the page; the result stops it. */

@@ -1,5 +1,6 @@
 /** Findings in files that are about to be imported. */
-import type { FileFrame, ImportDraft, ImportPreview, LabelsFound } from '../../store/state';
+import type { FileFrame, ImportedLabels, ImportPreview } from '../../protocol/values';
+import type { ImportDraft } from '../../store/state';
 import { plural } from '../../common/format';
 
 /** Most files for which the list is open at first. */
@@ -116,10 +117,11 @@ function described({ name, meaning }: ImportPreview['columns'][number]): string 
 }
 
 function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): string {
-  return color === undefined ? name : `${name} (colour: ${color}; intrinsics: ${intrinsics})`;
+  const more = color === undefined ? '' : ` (colour: ${color}; intrinsics: ${intrinsics})`;
+  return `${name}${more}`;
 }
 
-export function Labels({ found }: { found: LabelsFound }) {
+export function Labels({ found }: { found: ImportedLabels }) {
   const doubt = found.doubtful > 0 ? `, ${found.doubtful.toLocaleString('en')} in doubt` : '';
   const rows: readonly Fact[] = [
     ['Points', `${found.labelled.toLocaleString('en')} with a label${doubt}`],

@@ -1,9 +1,8 @@
 /** Ways to import: files, a folder, a path on the server. */
 import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
-import { importEach } from '../../engine/recordings/importing';
+import { importEach, importPath } from '../../engine/recordings/importing';
 import { Icon } from '../../common/icons';
-import { actions } from '../../store/actions';
 import { Button, Check } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
 import { pickFiles } from './files';
@@ -38,7 +37,7 @@ export function ImportBox({ onBegin }: { onBegin?: () => void }) {
     if (!path.trim()) return;
     onBegin?.();
     if (each) void importEach(path.trim());
-    else void actions.imports.importPath(path.trim());
+    else void importPath(path.trim());
   };
   return (
     <section class="import-box stack" aria-label="Import">

@@ -1,6 +1,6 @@
 /** Recordings before their import, one a row: format and size, and whether to import it. */
+import { changePart } from '../../engine/recordings/importing';
 import { bytes, count, plural } from '../../common/format';
-import { actions } from '../../store/actions';
 import type { ImportPart } from '../../store/state';
 import { inSight, listStyle, useSight } from '../parts/scrolled';
 import { onPage } from './found';
@@ -25,7 +25,7 @@ export function PartsTable({ parts, busy }: { parts: readonly ImportPart[]; busy
                 type="checkbox"
                 aria-label="Import all"
                 checked={chosen === parts.length}
-                onChange={(event) => actions.imports.includePart(event.currentTarget.checked)}
+                onChange={(event) => changePart({ included: event.currentTarget.checked })}
               />
             </th>
             <th scope="col">{`${count(chosen)} of ${plural(parts.length, 'recording')}`}</th>
@@ -58,7 +58,7 @@ function PartRow({ part, number, busy }: { part: ImportPart; number: number; bus
           type="checkbox"
           aria-label={`Import ${name}`}
           checked={included}
-          onChange={(event) => actions.imports.includePart(event.currentTarget.checked, number)}
+          onChange={(event) => changePart({ included: event.currentTarget.checked }, number)}
         />
       </td>
       <th scope="row" title={name}>

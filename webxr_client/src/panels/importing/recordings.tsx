@@ -1,4 +1,9 @@
 /** A recording in a list: picture, date, length, progress; rename and delete. */
+import {
+  deleteSequence,
+  importSourceLabels,
+  renameSequence,
+} from '../../engine/recordings/recordings';
 import { signal, useSignal } from '@preact/signals';
 import { moveRecording, projects } from '../../engine/recordings/projects';
 import { actions } from '../../store/actions';
@@ -38,7 +43,7 @@ export function Row({ row }: { row: SequenceSummary }) {
             label="Try again"
             tip={`Import the labels in the files of ${row.name}`}
             small
-            onClick={() => void actions.recordings.importSourceLabels(row.id)}
+            onClick={() => void importSourceLabels(row.id)}
           />
         )}
         <MoveTo row={row} />
@@ -125,7 +130,7 @@ export function RecordingTools({ row, onDelete }: RecordingToolsProps) {
         small
         onClick={() => {
           onDelete?.();
-          void actions.recordings.deleteSequence(row.id);
+          void deleteSequence(row.id);
         }}
       />
     </>
@@ -159,7 +164,7 @@ export function RecordingName({ row }: { row: SequenceSummary }) {
       maxLength={200}
       onFinish={(name) => {
         renamingRecording.value = null;
-        if (name && name !== row.name) void actions.recordings.renameSequence(row.id, name);
+        if (name && name !== row.name) void renameSequence(row.id, name);
       }}
     />
   );

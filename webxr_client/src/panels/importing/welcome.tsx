@@ -1,4 +1,5 @@
 /** The page without an open recording: connecting, no recordings, or the list of recordings. */
+import { refreshDeleted, restoreSequence } from '../../engine/recordings/recordings';
 import { useSignal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { signOut } from '../../engine/people/sign-out';
@@ -126,7 +127,7 @@ function Empty() {
 function Deleted() {
   const open = useSignal(false);
   const { value: deleted } = state.deleted;
-  useEffect(() => void actions.recordings.refreshDeleted(), []);
+  useEffect(() => void refreshDeleted(), []);
   if (deleted.length === 0) return null;
   return (
     <PopoverButton
@@ -149,7 +150,7 @@ function Deleted() {
               kind="outlined"
               small
               disabled={!canManage.value}
-              onClick={() => void actions.recordings.restoreSequence(row.identity)}
+              onClick={() => void restoreSequence(row.identity)}
             />
           </li>
         ))}

@@ -1,4 +1,5 @@
 /** The labels' rows under keyboard and mouse: keys go through them and into one, the mouse drags one. */
+import { arrangeLabels } from '../../engine/labels/palette-files';
 import { computed, signal } from '@preact/signals';
 import { actions } from '../../store/actions';
 import { focusedByKeys } from '../../common/focus';
@@ -128,5 +129,5 @@ function place(id: number, before: number | null): void {
   const behind = last === undefined ? null : (ids[ids.indexOf(last) + 1] ?? null);
   const order = reordered(ids, id, before ?? behind);
   const now = state.palette.peek().map((label) => label.id);
-  if (order.some((one, i) => one !== now[i])) void actions.labels.arrangeLabels(order);
+  if (order.some((one, i) => one !== now[i])) void arrangeLabels(order);
 }

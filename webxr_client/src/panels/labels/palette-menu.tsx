@@ -3,7 +3,13 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { actions } from '../../store/actions';
 import { canEdit, state } from '../../store/state';
-import { templates } from '../../engine/labels/palette-files';
+import {
+  addTemplate,
+  loadTemplates,
+  pickPalette,
+  savePalette,
+  templates,
+} from '../../engine/labels/palette-files';
 import { plural } from '../../common/format';
 import { chooseSafeColours, safeColours } from '../../store/safe-colours';
 import { Check } from '../parts/controls';
@@ -27,7 +33,7 @@ const NAMES: Readonly<Record<string, string>> = {
 };
 
 function Menu() {
-  useEffect(() => void actions.labels.loadTemplates(), []);
+  useEffect(() => void loadTemplates(), []);
   const cannot = !canEdit.value;
   return (
     <>
@@ -38,7 +44,7 @@ function Menu() {
           icon="layers"
           label={NAMES[name] ?? name}
           disabled={cannot}
-          onClick={() => void actions.labels.addTemplate(name)}
+          onClick={() => void addTemplate(name)}
         >
           <span class="end number">{plural(labels, 'label')}</span>
         </MenuItem>
@@ -47,7 +53,7 @@ function Menu() {
         icon="import"
         label="A palette file…"
         disabled={cannot}
-        onClick={() => actions.labels.pickPalette()}
+        onClick={() => pickPalette()}
       />
       <hr />
       <Check
@@ -67,7 +73,7 @@ function Menu() {
         icon="export"
         label="Save the palette as a file"
         disabled={state.palette.value.length === 0}
-        onClick={() => void actions.labels.savePalette()}
+        onClick={() => void savePalette()}
       />
     </>
   );

@@ -1,8 +1,8 @@
 /** Page of the palette for tasks: the own one, the one to review, and an export for the desk. */
+import { exportSequence, loadExportFormats } from '../../../engine/recordings/recordings';
 import type { Task } from '../../../protocol/values';
 import { lastExport, exportFormats } from '../../../engine/recordings/export-formats';
 import { may, TASK_WORDS } from '../../../engine/recordings/projects';
-import { actions } from '../../../store/actions';
 import { notify, state } from '../../../store/state';
 import {
   accept,
@@ -134,9 +134,9 @@ function drawVerdict(column: Column, task: Task, ask: AskName): void {
 function keepExport(): void {
   const info = state.sequence.peek()!;
   const run = async (): Promise<void> => {
-    await actions.recordings.loadExportFormats();
+    await loadExportFormats();
     const format = lastExport.peek() ?? exportFormats.peek()[0]?.format;
-    if (format) await actions.recordings.exportSequence(format, '', '', '', info.id);
+    if (format) await exportSequence(format, '', '', '', info.id);
   };
   const link = { label: 'Export', run: () => void run(), stays: true };
   notify('success', `Export of ${info.name}`, 'The link waits on the page. Leave the headset to use it.', link); // prettier-ignore
