@@ -15,7 +15,9 @@ from hypothesis import strategies as st
 from pointbrush.errors import BadInputError, DamagedError
 from pointbrush.formats import read
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
+from pointbrush.samples.geometry import rigid, vec
 from pointbrush.sequences import (
+    Manifest,
     RecordingInfo,
     StoredFrame,
     import_frames,
@@ -39,11 +41,15 @@ from tests.depth_camera import depth_camera
 from tests.rigs import cloud, corrections, mount, rig
 
 SENSORS = (Sensor("left", "spinning"), Sensor("right", "radar"), Sensor("rear"))
+MAP = rigid(np.eye(3), vec(5e5, -4e6, 120))
 
 
-def frame_of(counts: dict[int, int], seed: int, dtype: type = np.float32) -> PointFrame:
+def frame_of(counts: dict[int, int], seed: int, far: bool = False) -> PointFrame:
+    """A frame of so many points of each sensor; ``far``: on a map, and of double precision."""
+    dtype = np.float64 if far else np.float32
+    place = MAP if far else np.eye(4)
     given = [
-        (FramePart(sensor, mount(sensor), 0.1 * sensor), cloud(count, seed + sensor, dtype))
+        (FramePart(sensor, place @ mount(sensor), 0.1 * sensor), cloud(count, seed + sensor, dtype))
         for sensor, count in counts.items()
     ]
     return join_sensors(SENSORS, given, timestamp=float(seed))
@@ -66,10 +72,7 @@ def put(frames: list[PointFrame], target: Path) -> list[StoredFrame]:
 def test_frames_come_back_bit_for_bit_per_sensor(
     tmp_path_factory: pytest.TempPathFactory, counts: list[dict[int, int]], far: bool, seed: int
 ) -> None:
-    frames = [
-        frame_of(dict(sorted(each.items())), seed + k, np.float64 if far else np.float32)
-        for k, each in enumerate(counts)
-    ]
+    frames = [frame_of(dict(sorted(each.items())), seed + k, far) for k, each in enumerate(counts)]
     for frame, stored in zip(frames, put(frames, tmp_path_factory.mktemp("s") / "s"), strict=True):
         assert stored.sensors == SENSORS
         assert stored.sensor is not None
@@ -80,7 +83,14 @@ def test_frames_come_back_bit_for_bit_per_sensor(
         np.testing.assert_array_equal(stored.to_source(stored.rgb), frame.rgb)
         for part in stored.parts:
             mine = stored.sensor == part.sensor
-            np.testing.assert_array_equal(part.T_frame_sensor, mount(part.sensor))
+            own = stored.sensor_xyz()[stored.source_index[mine]]
+            T = part.T_frame_sensor
+            np.testing.assert_allclose(
+                stored.xyz[mine],
+                own @ T[:3, :3].T + T[:3, 3],
+                rtol=1e-6,
+                atol=2e-4 if far else 4e-6,
+            )
             assert part.timestamp == 0.1 * part.sensor
             assert mine.any()
         # Every chunk holds points of one sensor, and levels follow one another.
@@ -174,21 +184,37 @@ def test_a_corrected_mount_moves_the_points_of_its_sensor_only(
     np.testing.assert_array_equal(new.to_source(new.xyz), new.source_xyz())
     np.testing.assert_array_equal(new.kdtree.data, new.xyz)
     np.testing.assert_array_equal(old.kdtree.data, trees)
-    # Boxes hold their points, so that selection and the page find all of them.
-    lo, hi = manifest.bounds
-    assert (new.xyz >= lo).all()
-    assert (new.xyz <= hi).all()
-    blocks = new.blocks
-    block = np.repeat(np.arange(blocks.num), np.diff(blocks.first))
-    assert (new.xyz >= blocks.lo[block]).all()
-    assert (new.xyz <= blocks.hi[block]).all()
-    chunk = np.repeat(np.arange(len(new.chunks)), new.chunk_table["count"])
-    assert (new.xyz >= blocks.chunk_lo[chunk]).all()
-    assert (new.xyz <= blocks.chunk_hi[chunk]).all()
+    require_inside(new, manifest)
     update_manifest(tmp_path / "s", corrections=[np.eye(4)] * 3)
     undone = open_sequence(tmp_path / "s")
     assert undone.placement == before.placement
     np.testing.assert_array_equal(undone[0].xyz, old.xyz)
+
+
+def test_corrected_points_on_a_map_are_inside_their_boxes(tmp_path: Path) -> None:
+    put([frame_of({0: 5000, 1: 5000, 2: 100}, 0, far=True)], tmp_path / "s")
+    before = open_sequence(tmp_path / "s")[0].xyz
+    manifest = update_manifest(tmp_path / "s", corrections=corrections())
+    stored = open_sequence(tmp_path / "s")[0]
+    moved = np.linalg.norm(stored.xyz - before, axis=1)
+    assert moved[stored.sensor != 1].max() == 0
+    assert 0.01 < np.median(moved[stored.sensor == 1]) < 0.5
+    require_inside(stored, manifest)
+
+
+def require_inside(stored: StoredFrame, manifest: Manifest) -> None:
+    """All points are in the boxes by which selection and the page find them."""
+    blocks = stored.blocks
+    block = np.repeat(np.arange(blocks.num), np.diff(blocks.first))
+    chunk = np.repeat(np.arange(len(stored.chunks)), stored.chunk_table["count"])
+    boxes = (
+        manifest.bounds,
+        (blocks.lo[block], blocks.hi[block]),
+        (blocks.chunk_lo[chunk], blocks.chunk_hi[chunk]),
+    )
+    for lo, hi in boxes:
+        assert (stored.xyz >= np.float32(lo)).all()
+        assert (stored.xyz <= np.float32(hi)).all()
 
 
 @pytest.mark.parametrize(
