@@ -572,6 +572,9 @@ study.report("report.html")
 # Study.log
 study.log(ada.number, "log.csv")
 
+# Study.recordings
+print([(each.task, each.sequence) for each in study.recordings(ada.number)])
+
 # Study.replay
 print(study.replay(ada.number).equal)
 

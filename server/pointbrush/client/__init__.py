@@ -48,7 +48,7 @@ from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
 from pointbrush.values.people import FoundPeople, FoundPerson, LabelledPeople, PersonPoints
 from pointbrush.values.recordings import Bounds, Manifest
-from pointbrush.values.study import NewParticipant, Participant, Replay, StudyInfo
+from pointbrush.values.study import NewParticipant, Participant, Replay, SessionStep, StudyInfo
 from pointbrush.values.taxonomy import BoxAttribute, Category
 from pointbrush.values.team.accounts import Account, NewToken, Token
 from pointbrush.values.team.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
@@ -142,6 +142,7 @@ __all__ = [
     "Run",
     "Score",
     "SecretWebhook",
+    "SessionStep",
     "Snapshot",
     "Standing",
     "Statistics",

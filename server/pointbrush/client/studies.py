@@ -13,7 +13,7 @@ from pointbrush.values.study import (
     NewStudy,
     Participant,
     Replay,
-    StudyChange,
+    SessionStep,
     StudyInfo,
 )
 from pointbrush.values.study import Study as Design
@@ -35,7 +35,7 @@ class Study(Part[L]):
     @steps
     def change(self, study: Design | None = None, *, text: str | None = None) -> Steps[StudyInfo]:
         """Replace the study by a value or a YAML text; raises ConflictError with participants."""
-        return self._change(StudyInfo, "PUT", "", StudyChange(study, text))
+        return self._change(StudyInfo, "PUT", "", NewStudy(study=study, text=text))
 
     @steps
     def delete(self) -> Steps[None]:
@@ -82,6 +82,11 @@ class Study(Part[L]):
         """Write all records of a participant to a file."""
         place = f"/participants/{participant}/log"
         yield from self._call("GET", place, params={"format": format}, into=Path(out))
+
+    @steps
+    def recordings(self, participant: int | str) -> Steps[list[SessionStep]]:
+        """Return the steps of a participant that have a recording, by number."""
+        return self._get(list[SessionStep], f"/participants/{participant}/steps")
 
     @steps
     def replay(self, participant: int | str) -> Steps[Replay]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import threading
 import time
@@ -17,7 +18,7 @@ from pointbrush.database.database import Database
 from pointbrush.database.project_rows import REMOVED
 from pointbrush.database.project_tables import project_roles, tasks
 from pointbrush.database.schema import PROJECT_OF, WHOLE, sequences
-from pointbrush.database.study_tables import study_copies
+from pointbrush.database.study_tables import study_participants
 from pointbrush.names import SCRATCH
 from pointbrush.teamwork.projects import OVERSEES, role_in
 
@@ -209,8 +210,12 @@ class Access:
                     if row.project in roles or row.project == REMOVED:
                         projects[row.number] = row.project
                 copies = _copies(connection)
-                given = select(study_copies.c.sequence, study_copies.c.participant)
-                participants = {row.sequence: row.participant for row in connection.execute(given)}
+                given = select(study_participants.c.account, study_participants.c.copies)
+                participants = {
+                    number: row.account
+                    for row in connection.execute(given)
+                    for number in json.loads(row.copies).values()
+                }
             for lives in numbers.values():
                 lives.sort()
             self._known = _Known(roles, numbers, projects, *copies, participants, time.monotonic())

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 import secrets
 import zlib
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
 
 from sqlalchemy import Connection, Row, bindparam, delete, func, insert, select, update
 
@@ -16,37 +15,46 @@ from pointbrush.accounts.accounts import MARK, PARTICIPANT, digest_of
 from pointbrush.database.database import Database
 from pointbrush.database.schema import jobs, sequences
 from pointbrush.database.statements import Statement
-from pointbrush.database.study_tables import (
-    study_copies,
-    study_log,
-    study_participants,
-    study_steps,
-)
+from pointbrush.database.study_tables import study_log, study_participants
 from pointbrush.errors import ConflictError, NotFoundError, TooLargeError
 from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS
 
 Record = dict[str, Any]
 """A record of a log as JSON."""
-_PARTICIPANTS = study_participants.c
-_OF_DIGEST = Statement(
-    select(_PARTICIPANTS.account).where(_PARTICIPANTS.digest == bindparam("digest"))
-)
+_COLUMNS = study_participants.c
+_OF_DIGEST = Statement(select(_COLUMNS.account).where(_COLUMNS.digest == bindparam("digest")))
+
+
+class FinishedStep(NamedTuple):
+    """A finished step: begin and end (seconds since the epoch), pauses (seconds), answers."""
+
+    began: float
+    ended: float
+    paused_s: float
+    answers: list[int]
 
 
 @dataclass(frozen=True, slots=True)
 class Session:
-    """A participant's session: the fields of ``study_participants`` without the digest."""
+    """A participant's session: the row of ``study_participants`` without the digest."""
 
     account: str
     study: str
     number: int
     conditions: tuple[str, ...]
-    step: int
+    finished: tuple[FinishedStep, ...]
+    copies: Mapping[int, int]
+    """Number of the copy's sequence by the number of its step."""
     began: float | None
     paused: float | None
     paused_s: float
     records: int
     seen: float | None
+
+    @property
+    def step(self) -> int:
+        """Return the number of the current step."""
+        return len(self.finished)
 
     def elapsed(self, now: float) -> float:
         """Return the seconds of the current step without pauses."""
@@ -54,18 +62,11 @@ class Session:
         return 0.0 if self.began is None else max(0.0, until - self.began - self.paused_s)
 
 
-@dataclass(frozen=True, slots=True)
-class FinishedStep:
-    """A finished step: begin and end (seconds since the epoch), pauses (seconds), answers."""
-
-    began: float
-    ended: float
-    paused_s: float
-    answers: tuple[int, ...]
-
-
 class Studies:
-    """The participants of all studies of one database; thread-safe."""
+    """The participants of all studies of one database; thread-safe.
+
+    Every method with an ``account`` raises NotFoundError for an unknown one.
+    """
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -80,43 +81,35 @@ class Studies:
 
         ``conditions``: function from the participant's number.  Raises ConflictError.
         """
-        code, of_study = secrets.token_urlsafe(24), _PARTICIPANTS.study == study
-        account = f"{PARTICIPANT}{MARK}{secrets.token_hex(16)}"
+        code, account = secrets.token_urlsafe(24), f"{PARTICIPANT}{MARK}{secrets.token_hex(16)}"
+        row: Record = {"account": account, "study": study, "digest": digest_of(code)}
+        row |= {"finished": "[]", "copies": "{}", "paused_s": 0.0, "records": 0}
+        query = select(func.max(_COLUMNS.number), func.count()).where(_COLUMNS.study == study)
         with self._database.write() as connection:
-            query = select(func.max(_PARTICIPANTS.number), func.count()).where(of_study)
             highest, count = connection.execute(query).one()
             if count >= MOST_PARTICIPANTS:
                 raise ConflictError(f"participants: expected at most {MOST_PARTICIPANTS:,}")
             number = (highest or 0) + 1
-            row = {"number": number, "conditions": json.dumps([*conditions(number)])}
-            row |= {"account": account, "study": study, "digest": digest_of(code)}
-            connection.execute(
-                insert(study_participants), row | {"step": 0, "paused_s": 0.0, "records": 0}
-            )
+            row |= {"number": number, "conditions": json.dumps([*conditions(number)])}
+            connection.execute(insert(study_participants), row)
             return _session(connection, account), code
-
-    def counts(self) -> Counter[str]:
-        """Return the number of participants of each study."""
-        query = select(_PARTICIPANTS.study, func.count()).group_by(_PARTICIPANTS.study)
-        with self._database.read() as connection:
-            return Counter(dict(connection.execute(query).tuples().all()))
 
     def all(self, study: str) -> list[Session]:
         """Return the participants of a study by number."""
-        query = select(study_participants).where(_PARTICIPANTS.study == study)
+        query = select(study_participants).where(_COLUMNS.study == study)
         with self._database.read() as connection:
-            return [_read(row) for row in connection.execute(query.order_by(_PARTICIPANTS.number))]
+            return [_read(row) for row in connection.execute(query.order_by(_COLUMNS.number))]
 
     def get(self, study: str, key: str) -> Session:
         """Return a participant by number or code; raises NotFoundError."""
-        number, account = key.isdecimal() and int(key), self.account_of(key)
+        account = self.account_of(key)
         for session in self.all(study):
-            if session.number == number or session.account == account:
+            if account == session.account or str(session.number) == key:
                 return session
         raise NotFoundError(f"participant: expected the number or code of one, got {key[:8]!r}")
 
     def session(self, account: str) -> Session:
-        """Return the session of an account; raises NotFoundError."""
+        """Return the session of an account."""
         with self._database.read() as connection:
             return _session(connection, account)
 
@@ -124,8 +117,7 @@ class Studies:
         """Note a call of the participant; return the session and the time of the call."""
         with self._database.write() as connection:
             now = self._database.now(connection)
-            began = func.coalesce(_PARTICIPANTS.began, now)
-            _change(connection, account, seen=now, began=began)
+            _change(connection, account, seen=now, began=func.coalesce(_COLUMNS.began, now))
             return _session(connection, account), now
 
     def finish(self, account: str, step: int, answers: Sequence[int]) -> None:
@@ -141,10 +133,9 @@ class Studies:
                 raise ConflictError(f"number: expected that of the current step, {session.step}")
             if session.paused is not None:
                 raise ConflictError("step: the experimenter has paused the session")
-            row = {"participant": account, "step": step, "began": session.began or now}
-            row |= {"ended": now, "paused_s": session.paused_s, "answers": json.dumps([*answers])}
-            connection.execute(insert(study_steps), row)
-            _change(connection, account, step=step + 1, began=now, paused_s=0.0, seen=now)
+            ended = FinishedStep(session.began or now, now, session.paused_s, [*answers])
+            done = json.dumps([*session.finished, ended])
+            _change(connection, account, finished=done, began=now, paused_s=0.0, seen=now)
 
     def pause(self, account: str, *, paused: bool) -> None:
         """Pause a session, or continue it; a repeated call has no effect."""
@@ -153,39 +144,27 @@ class Studies:
             if paused and session.paused is None:
                 _change(connection, account, paused=now)
             elif not paused and session.paused is not None:
-                begin = max(session.paused, session.began or now)
-                total = session.paused_s + (now - begin if session.began else 0.0)
-                _change(connection, account, paused=None, paused_s=total)
+                spent = now - max(session.paused, session.began or now)
+                _change(connection, account, paused=None, paused_s=session.paused_s + spent)
 
-    def steps(self, account: str) -> dict[int, FinishedStep]:
-        """Return the finished steps by number."""
-        query = select(study_steps).where(study_steps.c.participant == account)
-        with self._database.read() as connection:
-            return {
-                row.step: FinishedStep(
-                    row.began, row.ended, row.paused_s, tuple(json.loads(row.answers))
-                )
-                for row in connection.execute(query)
-            }
-
-    # ── copies ───────────────────────────────────────────────────────────────────────────
-
-    def copies(self, account: str) -> dict[int, str]:
+    def copies(self, session: Session) -> dict[int, str]:
         """Return the ids of the participant's copies by the number of their step."""
-        joined = study_copies.join(sequences, sequences.c.number == study_copies.c.sequence)
-        query = select(study_copies.c.step, sequences.c.id).select_from(joined)
+        query = select(sequences.c.number, sequences.c.id).where(
+            sequences.c.number.in_([*session.copies.values()]), sequences.c.deleted.is_(None)
+        )
         with self._database.read() as connection:
-            rows = connection.execute(query.where(study_copies.c.participant == account))
-            return {row.step: row.id for row in rows}
+            ids = dict(connection.execute(query).tuples().all())
+        return {step: ids[number] for step, number in session.copies.items() if number in ids}
 
     def keep_copy(self, account: str, step: int, sequence: str) -> None:
         """Give a copy to a participant for a step."""
-        number = select(sequences.c.number).where(
+        query = select(sequences.c.number).where(
             sequences.c.id == sequence, sequences.c.deleted.is_(None)
         )
-        row = {"participant": account, "step": step, "sequence": number.scalar_subquery()}
         with self._database.write() as connection:
-            connection.execute(insert(study_copies).values(**row))
+            number = connection.execute(query).scalar_one()
+            known = _session(connection, account, lock=True).copies
+            _change(connection, account, copies=json.dumps({**known, step: number}))
 
     # ── logs ─────────────────────────────────────────────────────────────────────────────
 
@@ -203,20 +182,20 @@ class Studies:
                     f"log: expected record {end} next, got {first}: records {end} to {first - 1} "
                     "are missing"
                 )
-            stored = _records(connection, account, first)[: len(given)] if first < end else []
+            stored = _records(connection, account, first) if first < end else []
             for number, (own, other) in enumerate(zip(stored, given, strict=False), first):
                 if own != other:
                     raise ConflictError(f"log: record {number} is stored with other content")
-            fresh = given[end - first :]
-            if end + len(fresh) > LONGEST_LOG:
+            fresh, following = given[end - first :], max(end, first + len(given))
+            if following > LONGEST_LOG:
                 raise TooLargeError(f"log: expected at most {LONGEST_LOG:,} records")
             if fresh:
                 packed = zlib.compress(json.dumps(fresh, separators=(",", ":")).encode())
                 row = {"participant": account, "first": end, "records": packed}
                 now = self._database.now(connection)
                 connection.execute(insert(study_log), row | {"received": now})
-                _change(connection, account, records=end + len(fresh), seen=now)
-            return end + len(fresh)
+                _change(connection, account, records=following, seen=now)
+            return following
 
     def log(self, account: str) -> list[Record]:
         """Return all records, each with ``received``, the time of its receipt by the server."""
@@ -224,22 +203,20 @@ class Studies:
         with self._database.read() as connection:
             rows = connection.execute(query.order_by(study_log.c.first)).all()
         return [
-            record | {"received": row.received}
-            for row in rows
-            for record in json.loads(zlib.decompress(row.records))
+            record | {"received": row.received} for row in rows for record in _unpack(row.records)
         ]
 
     def erase(self, account: str) -> None:
         """Remove the rows of a participant, except labels; see ``Recordings.erase`` for these."""
         with self._database.write(erases=True) as connection:
-            for table in (study_steps, study_copies, study_log):
-                connection.execute(delete(table).where(table.c.participant == account))
-            connection.execute(delete(study_participants).where(_PARTICIPANTS.account == account))
+            connection.execute(delete(study_log).where(study_log.c.participant == account))
+            connection.execute(delete(study_participants).where(_COLUMNS.account == account))
             connection.execute(delete(jobs).where(jobs.c.author == account))
+        self._database.empty_log()
 
 
 def _session(connection: Connection, account: str, *, lock: bool = False) -> Session:
-    query = select(study_participants).where(_PARTICIPANTS.account == account)
+    query = select(study_participants).where(_COLUMNS.account == account)
     row = connection.execute(query.with_for_update() if lock else query).one_or_none()
     if row is None:
         raise NotFoundError("participant: expected a known one")
@@ -247,21 +224,29 @@ def _session(connection: Connection, account: str, *, lock: bool = False) -> Ses
 
 
 def _read(row: Row[Any]) -> Session:
-    fields = {name: getattr(row, name) for name in Session.__dataclass_fields__}
-    return Session(**fields | {"conditions": tuple(json.loads(row.conditions))})
+    values = {each.name: getattr(row, each.name) for each in fields(Session)}
+    copies = {int(step): number for step, number in json.loads(row.copies).items()}
+    finished = tuple(FinishedStep(*each) for each in json.loads(row.finished))
+    conditions = tuple(json.loads(row.conditions))
+    return Session(**values | {"conditions": conditions, "finished": finished, "copies": copies})
 
 
 def _change(connection: Connection, account: str, **values: Any) -> None:
-    is_row = _PARTICIPANTS.account == account
+    is_row = _COLUMNS.account == account
     connection.execute(update(study_participants).where(is_row).values(**values))
 
 
 def _records(connection: Connection, account: str, first: int) -> list[Record]:
-    """Return the stored records from ``first`` on."""
+    """Return the stored records from ``first`` on, reading the last ones first."""
     columns, found = study_log.c, list[Record]()
     query = select(columns.first, columns.records).where(columns.participant == account)
     for row in connection.execute(query.order_by(columns.first.desc())):
-        found[:0] = json.loads(zlib.decompress(row.records))
+        found[:0] = _unpack(row.records)
         if row.first <= first:
             return found[first - row.first :]
+    return found
+
+
+def _unpack(data: bytes) -> list[Record]:
+    found: list[Record] = json.loads(zlib.decompress(data))
     return found

@@ -34,7 +34,8 @@ Pose = Annotated[tuple[Number, ...], Rule(min_length=7, max_length=7)]
 """Position (metres) and quaternion (x, y, z, w) in the coordinates of the recording."""
 
 FileKind = Annotated[
-    Literal["csv", "parquet"], Meanings({"csv": "text", "parquet": "columns with types"})
+    Literal["csv", "parquet", "json"],
+    Meanings({"csv": "text", "parquet": "columns with types", "json": "a list of objects"}),
 ]
 Phase = Literal["navigation", "painting", "waiting"]
 StepKind = Annotated[
@@ -201,26 +202,16 @@ class Study(Body, Complete):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewStudy(Body):
-    """A study to be created: from a value, from the text of its file, or from a template."""
+    """A study to be created or to replace one: a value, the text of its file, or a template."""
 
     id: SequenceName | None = None
-    """Name in URLs; null: derived from the title."""
+    """Name in URLs of a new study; null: derived from the title."""
     study: Study | None = None
     """The study; or ``text``, or ``template``."""
     text: Annotated[str, Rule(max_length=LONGEST_YAML)] | None = None
     """The study as YAML."""
     template: Annotated[str, Rule(max_length=64)] | None = None
     """Name of a study of the package: ``desk-or-headset`` or ``brush-or-object-tool``."""
-
-
-@dataclass(frozen=True, slots=True)
-class StudyChange(Body):
-    """A study that replaces the one with the same id, which has no participants yet."""
-
-    study: Study | None = None
-    """The study; or ``text``."""
-    text: Annotated[str, Rule(max_length=LONGEST_YAML)] | None = None
-    """The study as YAML."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,6 +322,22 @@ class StudyStep(Value):
     """Questionnaire of the step; null: none."""
     records: int
     """Number of the next record of the log, from 0."""
+
+
+@dataclass(frozen=True, slots=True)
+class SessionStep(Value):
+    """A step of a participant that has a recording, for its replay."""
+
+    number: int
+    """Number of the step, from 0."""
+    kind: StepKind
+    """Kind of the step."""
+    condition: str
+    """Condition of the step."""
+    task: str
+    """Task of the step."""
+    sequence: str
+    """Id of the participant's copy of the recording."""
 
 
 @dataclass(frozen=True, slots=True)

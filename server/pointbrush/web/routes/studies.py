@@ -16,8 +16,8 @@ from pointbrush.values.study import (
     Participant,
     ParticipantPatch,
     Replay,
+    SessionStep,
     StepDone,
-    StudyChange,
     StudyInfo,
     StudyStep,
 )
@@ -35,7 +35,11 @@ Key = Annotated[
     str, Path(pattern=r"^[\w-]{1,64}$", description="number or code of the participant")
 ]
 Table = Annotated[FileKind, Query(alias="format", description="kind of file")]
-CSV, PARQUET = "text/csv", "application/vnd.apache.parquet"
+MEDIA_TYPES = {
+    "csv": "text/csv",
+    "parquet": "application/vnd.apache.parquet",
+    "json": "application/json",
+}
 
 
 @router.get("/studies", **needs("manager"))
@@ -62,7 +66,7 @@ def get_study(s: StudyId, workspace: Ws) -> StudyInfo:
 
 
 @router.put("/studies/{s}", **needs("manager", 404, 409, 413))
-def put_study(s: StudyId, body: StudyChange, workspace: Ws) -> StudyInfo:
+def put_study(s: StudyId, body: NewStudy, workspace: Ws) -> StudyInfo:
     """Replace a study that has no participants."""
     return workspace.studies.change(s, body)
 
@@ -103,7 +107,9 @@ def delete_participant(s: StudyId, n: Key, workspace: Ws) -> None:
     workspace.studies.erase(s, n)
 
 
-@router.get("/studies/{s}/results", **needs_for_file("manager", "The results", CSV, PARQUET))
+@router.get(
+    "/studies/{s}/results", **needs_for_file("manager", "The results", *MEDIA_TYPES.values())
+)
 def get_results(
     s: StudyId,
     workspace: Ws,
@@ -125,11 +131,18 @@ def get_study_report(s: StudyId, workspace: Ws) -> Response:
 
 
 @router.get(
-    "/studies/{s}/participants/{n}/log", **needs_for_file("manager", "The log", CSV, PARQUET)
+    "/studies/{s}/participants/{n}/log",
+    **needs_for_file("manager", "The log", *MEDIA_TYPES.values()),
 )
 def get_log(s: StudyId, n: Key, workspace: Ws, kind: Table = "csv") -> Response:
-    """Return all records of a participant."""
+    """Return all records of a participant; as JSON, as the page sent them."""
     return _table(workspace.studies.log(s, n, kind), kind)
+
+
+@router.get("/studies/{s}/participants/{n}/steps", **needs("manager", 404))
+def list_steps(s: StudyId, n: Key, workspace: Ws) -> list[SessionStep]:
+    """List the steps of a participant that have a recording, by number."""
+    return workspace.studies.steps(s, n)
 
 
 @router.post("/studies/{s}/participants/{n}/replay", **needs("manager", 404))
@@ -139,7 +152,7 @@ def replay_session(s: StudyId, n: Key, workspace: Ws) -> Replay:
 
 
 def _table(content: bytes, kind: FileKind) -> Response:
-    return Response(content, media_type=CSV if kind == "csv" else PARQUET)
+    return Response(content, media_type=MEDIA_TYPES[kind])
 
 
 # ── for participants, whom the code in the path admits ───────────────────────────────────

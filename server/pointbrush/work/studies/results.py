@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,58 +22,42 @@ Row = dict[str, Any]
 AXES = ("x", "y", "z", "qx", "qy", "qz", "qw")
 
 
-class Results:
-    """The results of the participants of one study."""
+def task_results(
+    store: WorkspaceStore, library: Library, study: Study, sessions: Iterable[Session]
+) -> Iterator[tuple[Row, list[Point]]]:
+    """Yield a row for each finished task of each participant, and the IoU over time."""
+    for session in sessions:
+        steps, copies = plan(study, session.conditions), store.studies.copies(session)
+        scores = _scores(steps, session.finished)
+        records = by_step(store.studies.log(session.account))
+        for number, (step, ended) in enumerate(zip(steps, session.finished, strict=False)):
+            if step.kind != "task" or step.task is None or number not in copies:
+                continue
+            duration = ended.ended - ended.began - ended.paused_s
+            duration = min(duration, step.task.time_limit_s or duration)
+            edits, log = [*store.changes(copies[number])], records.get(number, [])
+            lines = [line for line, _ in edits if line.kind != "import"]
+            overlap = Overlap(truth_of(store, library, step.task), ids_of(store, step.task))
+            curve = [*curve_of(edits, times_of(lines, log), overlap)]
+            named = _named(session, step)
+            row = named | measures(Task(duration, log, lines, curve))
+            yield row | scores.get(named["condition"], {}) | scores[""], curve
 
-    def __init__(self, store: WorkspaceStore, library: Library, study: Study) -> None:
-        self._store, self._library, self._study = store, library, study
 
-    def tasks(self, sessions: Sequence[Session]) -> Iterator[tuple[Row, list[Point]]]:
-        """Yield a row for each finished task of each participant, and the IoU over time."""
-        for session in sessions:
-            ended, log = self._store.studies.steps(session.account), None
-            copies = self._store.studies.copies(session.account)
-            steps = plan(self._study, session.conditions)
-            scores = _scores(steps, ended)
-            for number, step in enumerate(steps):
-                if step.kind != "task" or number not in ended or number not in copies:
-                    continue
-                log = by_step(self._store.studies.log(session.account)) if log is None else log
-                task = self._task(step, ended[number], copies[number], log.get(number, []))
-                named = _named(session, step)
-                row = named | measures(task) | scores.get(named["condition"], {}) | scores[""]
-                yield row, [*task.curve]
-
-    def _task(
-        self, step: PlannedStep, ended: FinishedStep, sequence: str, records: Sequence[Record]
-    ) -> Task:
-        assert step.task is not None  # noqa: S101 - of kind "task"
-        duration = ended.ended - ended.began - ended.paused_s
-        if step.task.time_limit_s is not None:
-            duration = min(duration, step.task.time_limit_s)
-        edits = [*self._store.changes(sequence)]
-        lines = [line for line, _ in edits if line.kind != "import"]
-        overlap = Overlap(
-            truth_of(self._store, self._library, step.task), ids_of(self._store, step.task)
-        )
-        curve = [*curve_of(edits, times_of(lines, records), overlap)]
-        return Task(duration, records, lines, curve)
-
-    def log(self, session: Session) -> list[Row]:
-        """Return the log of a participant with a column for each number of a pose."""
-        steps = plan(self._study, session.conditions)
-        names = [name for name in LogRecord.__dataclass_fields__ if name not in (*LIMBS, "t")]
-        rows = []
-        for number, record in enumerate(self._store.studies.log(session.account)):
-            step = steps[record["step"]] if record["step"] < len(steps) else steps[-1]
-            row = _named(session, step) | {"record": number, "received": record["received"]}
-            row |= {"t_ms": record["t"], **{name: record.get(name) for name in names}}
-            row["profile"] = record.get("profile") and json.dumps(record["profile"])
-            for limb in LIMBS:
-                pose = record.get(limb) or (None,) * len(AXES)
-                row |= {f"{limb}_{axis}": v for axis, v in zip(AXES, pose, strict=True)}
-            rows.append(row)
-        return rows
+def log_rows(study: Study, session: Session, log: Iterable[Record]) -> list[Row]:
+    """Return the log of a participant with a column for each number of a pose."""
+    steps, rows = plan(study, session.conditions), []
+    names = [name for name in LogRecord.__dataclass_fields__ if name not in (*LIMBS, "t")]
+    for number, record in enumerate(log):
+        row = _named(session, steps[min(record["step"], len(steps) - 1)])
+        row |= {"record": number, "received": record["received"], "t_ms": record["t"]}
+        row |= {name: record.get(name) for name in names}
+        row["profile"] = record.get("profile") and json.dumps(record["profile"])
+        for limb in LIMBS:
+            pose = record.get(limb) or (None,) * len(AXES)
+            row |= {f"{limb}_{axis}": value for axis, value in zip(AXES, pose, strict=True)}
+        rows.append(row)
+    return rows
 
 
 def curve_rows(row: Row, curve: Sequence[Point]) -> list[Row]:
@@ -91,7 +75,9 @@ def at_seconds(curve: Sequence[Point], seconds: int) -> np.ndarray[Any, np.dtype
 
 
 def encode(rows: Sequence[Row], kind: FileKind) -> bytes:
-    """Return rows as a CSV or Parquet file, with the columns of all of them."""
+    """Return rows as a file, with the columns of all of them."""
+    if kind == "json":
+        return json.dumps(rows).encode()
     columns = list(dict.fromkeys(name for row in rows for name in row))
     if kind == "csv":
         text = io.StringIO(newline="")
@@ -121,7 +107,7 @@ def _named(session: Session, step: PlannedStep) -> Row:
     }
 
 
-def _scores(steps: Sequence[PlannedStep], ended: dict[int, FinishedStep]) -> dict[str, Row]:
+def _scores(steps: Sequence[PlannedStep], finished: Sequence[FinishedStep]) -> dict[str, Row]:
     """Return scores and answers of questionnaires by condition; "": of the whole study."""
     rows: dict[str, Row] = {"": {}}
     for number, step in enumerate(steps):
@@ -129,7 +115,7 @@ def _scores(steps: Sequence[PlannedStep], ended: dict[int, FinishedStep]) -> dic
             continue
         name, items = step.questionnaire.name, step.questionnaire.items
         row = rows.setdefault(step.condition.name if step.condition else "", {})
-        answers = ended[number].answers if number in ended else None
+        answers = finished[number].answers if number < len(finished) else None
         row[name] = None if answers is None else score(items, answers)
         for place in range(len(items)):
             row[f"{name}_{place + 1}"] = None if answers is None else answers[place]

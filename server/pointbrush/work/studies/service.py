@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from pointbrush.errors import BadInputError, ConflictError
-from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.store import WorkspaceStore
-from pointbrush.teamwork.studies import Record, Session
+from pointbrush.teamwork.studies import Session
 from pointbrush.values.study import (
     FileKind,
     NewStudy,
     Participant,
     Replay,
+    SessionStep,
     Study,
-    StudyChange,
     StudyInfo,
 )
 from pointbrush.work.library import Library
@@ -25,6 +25,10 @@ from pointbrush.work.studies.measures import by_step
 from pointbrush.work.studies.recordings import require_task
 from pointbrush.work.studies.sessions import Sessions
 from pointbrush.work.trash import ids_for
+
+if TYPE_CHECKING:
+    from pointbrush.work.studies.overlap import Point
+    from pointbrush.work.studies.results import Row
 
 
 class Studies:
@@ -59,8 +63,7 @@ class Studies:
 
         Raises ConflictError for an id that a study has, BadInputError, NotFoundError.
         """
-        text = template(new.template) if new.template else new.text
-        study, text = self._checked(new.study, text)
+        study, text = self._checked(new)
         known = self._files.ids()
         wanted = new.id or next(each for each in ids_for(study.title) if each not in known)
         if wanted in known:
@@ -68,11 +71,11 @@ class Studies:
         self._files.write(wanted, text)
         return self.get(wanted)
 
-    def change(self, study: str, change: StudyChange) -> StudyInfo:
+    def change(self, study: str, change: NewStudy) -> StudyInfo:
         """Replace a study without participants; raises ConflictError, BadInputError."""
         if self.get(study).participants:
             raise ConflictError("study: expected one without participants, delete them first")
-        self._files.write(study, self._checked(change.study, change.text)[1])
+        self._files.write(study, self._checked(change)[1])
         return self.get(study)
 
     def remove(self, study: str) -> None:
@@ -82,16 +85,20 @@ class Studies:
             self._erase_session(session)
         self._files.remove(study)
 
-    def _checked(self, study: Study | None, text: str | None) -> tuple[Study, str]:
-        if (study is None) == (text is None):
-            raise BadInputError("study: expected a study, a text or a template, and only one")
-        found, written = (study, to_text(study)) if study else (parse(text or ""), text or "")
+    def _checked(self, new: NewStudy) -> tuple[Study, str]:
+        given = [each for each in (new.study, new.text, new.template) if each is not None]
+        if len(given) != 1:
+            raise BadInputError("study: expected one of a study, a text and a template")
+        text = new.text
+        if text is None:
+            text = to_text(new.study) if new.study else template(new.template or "")
+        found = parse(text)
         for names in (found.conditions, found.tasks, found.questionnaires):
             if len({each.name for each in names}) < len(names):
                 raise BadInputError("name: expected a different one of each condition and task")
         for task in found.tasks:
             require_task(self._store, self._library, task)
-        return found, written
+        return found, text
 
     # ── participants ─────────────────────────────────────────────────────────────────────
 
@@ -120,51 +127,64 @@ class Studies:
         self._erase_session(self._store.studies.get(study, key))
 
     def _erase_session(self, session: Session) -> None:
-        for sequence in self._store.studies.copies(session.account).values():
+        for sequence in self._store.studies.copies(session).values():
             self._erase(sequence)
         self._store.studies.erase(session.account)
-        self._store.database.empty_log()
         self._store.team.access.forget()
 
     # ── results ──────────────────────────────────────────────────────────────────────────
 
     def results(self, study: str, kind: FileKind, *, curves: bool = False) -> bytes:
-        """Return the results as a CSV or Parquet file: a row per task, or the IoU over time."""
-        from pointbrush.work.studies.results import Results, curve_rows, encode
+        """Return the results as a file: a row per task, or the IoU over time."""
+        from pointbrush.work.studies.results import curve_rows, encode  # slow to import
 
-        found = Results(self._store, self._library, self._files.read(study))
         rows = []
-        for row, curve in found.tasks(self._store.studies.all(study)):
+        for row, curve in self._results(study, self._files.read(study)):
             rows += curve_rows(row, curve) if curves else [row]
         return encode(rows, kind)
 
     def report(self, study: str) -> str:
         """Return the report of a study as HTML."""
         from pointbrush.work.studies.report import to_html
-        from pointbrush.work.studies.results import Results
 
         design = self._files.read(study)
-        found = Results(self._store, self._library, design)
-        return to_html(design, [*found.tasks(self._store.studies.all(study))])
+        return to_html(design, [*self._results(study, design)])
+
+    def _results(self, study: str, design: Study) -> Iterator[tuple[Row, list[Point]]]:
+        from pointbrush.work.studies.results import task_results
+
+        return task_results(self._store, self._library, design, self._store.studies.all(study))
 
     def log(self, study: str, key: str, kind: FileKind) -> bytes:
-        """Return the log of a participant as a CSV or Parquet file."""
-        from pointbrush.work.studies.results import Results, encode
+        """Return the log of a participant as a file; as JSON, records as they were sent."""
+        from pointbrush.work.studies.results import encode, log_rows
 
         session = self._store.studies.get(study, key)
-        found = Results(self._store, self._library, self._files.read(study))
-        return encode(found.log(session), kind)
+        log = self._store.studies.log(session.account)
+        return encode(
+            log if kind == "json" else log_rows(self._files.read(study), session, log), kind
+        )
+
+    def steps(self, study: str, key: str) -> list[SessionStep]:
+        """Return the steps of a participant that have a recording, by number."""
+        session = self._store.studies.get(study, key)
+        steps = plan(self._files.read(study), session.conditions)
+        return [
+            SessionStep(number, step.kind, step.condition.name, step.task.name, sequence)
+            for number, sequence in sorted(self._store.studies.copies(session).items())
+            if (step := steps[number]).condition and step.task
+        ]
 
     def replay(self, study: str, key: str) -> Replay:
         """Compare the labels of a participant with those that their log leads to."""
         from pointbrush.work.studies.replaying import replay
 
         session = self._store.studies.get(study, key)
-        steps = plan(self._files.read(study), session.conditions)
         records = by_step(self._store.studies.log(session.account))
-        copies: dict[str, tuple[Recording, list[Record]]] = {}
-        for number, sequence in sorted(self._store.studies.copies(session.account).items()):
-            condition, task = steps[number].condition, steps[number].task
-            name = f"{condition and condition.name}, {task and task.name}"
-            copies[name] = self._library.recording(sequence), records.get(number, [])
+        copies = {
+            f"{step.condition}, {step.task}": (
+                self._library.recording(step.sequence), records.get(step.number, [])
+            )
+            for step in self.steps(study, key)
+        }  # fmt: skip
         return replay(self._store, copies)

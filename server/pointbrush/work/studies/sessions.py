@@ -128,14 +128,15 @@ class Sessions:
         step = steps[min(session.step, len(steps) - 1)]
         if step.copy is None or step.task is None:
             return Current(study, session, steps, step, None)
-        known = self._store.studies.copies(session.account).get(step.copy)
+        known = self._store.studies.copies(session).get(step.copy)
         if known is None and copies:
             with self._copying:
                 known = self._copy(session, step.copy, step.task)
         return Current(study, session, steps, step, known)
 
     def _copy(self, session: Session, step: int, task: StudyTask) -> str:
-        known = self._store.studies.copies(session.account).get(step)
+        now = self._store.studies.session(session.account)
+        known = self._store.studies.copies(now).get(step)
         if known is None:
             known = copy_for(self._store, self._library, task)
             self._store.studies.keep_copy(session.account, step, known)
