@@ -31,9 +31,9 @@ def project(given: argparse.Namespace, client: Client) -> Answer:
     """List, add or delete projects of a server."""
     projects = client.projects
     if given.action == "list":
-        found = [each.info for each in projects.all()]
-        rows = [(each.id, each.role, len(each.recordings), each.name) for each in found]
-        return table(found, ("ID", "ROLE", "RECORDINGS", "NAME"), rows)
+        infos = [each.info for each in projects.all()]
+        rows = [(each.id, each.role, len(each.recordings), each.name) for each in infos]
+        return table(infos, ("ID", "ROLE", "RECORDINGS", "NAME"), rows)
     name = required("project", given.name)
     if given.action == "add":
         made = projects.create(name).id
@@ -70,17 +70,17 @@ def task(given: argparse.Namespace, client: Client) -> Answer:
         known = {each.account for each in client.accounts.all()} if assignee else {assignee}
         if assignee not in known:
             warnings.append(f"no account is called {assignee!r}: `pointbrush token add` creates it")
-        found = queue.add_tasks(
+        tasks = queue.add_tasks(
             recordings, frames=given.frames, every=given.every, assignee=assignee
         )
     else:
-        found = queue.tasks(given.state, given.assignee)
+        tasks = queue.tasks(given.state, given.assignee)
     rows = [
         (each.number, each.sequence, f"{each.first}:{each.last + 1}", each.state, each.assignee)
-        for each in found
+        for each in tasks
     ]
     head = ("NUMBER", "RECORDING", "FRAMES", "STATE", "ASSIGNEE")
-    return replace(table(found, head, rows), warnings=warnings)
+    return replace(table(tasks, head, rows), warnings=warnings)
 
 
 def _number(text: str) -> int:
@@ -99,9 +99,9 @@ def webhook(given: argparse.Namespace, client: Client) -> Answer:
     """List, add or delete webhooks of a server."""
     hooks = client.projects[given.project]
     if given.action == "list":
-        found = hooks.webhooks()
-        rows = [(each.id, ",".join(each.topics), each.url) for each in found]
-        return table(found, ("ID", "TOPICS", "URL"), rows)
+        known = hooks.webhooks()
+        rows = [(each.id, ",".join(each.topics), each.url) for each in known]
+        return table(known, ("ID", "TOPICS", "URL"), rows)
     item = required("webhook", given.item)
     if given.action == "add":
         topics: Any = listed(given.topics) if given.topics else None

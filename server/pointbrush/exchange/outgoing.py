@@ -78,7 +78,7 @@ def exchange(
     wire = httpcore.URL(
         scheme=target.raw_scheme, host=target.raw_host, port=target.port, target=target.raw_path
     )
-    given = {
+    sent_headers = {
         "Host": target.netloc.decode(),
         "Accept-Encoding": "identity",
         "Content-Length": str(len(body)),
@@ -88,7 +88,7 @@ def exchange(
         with ExitStack() as stack:
             pool = stack.enter_context(_pool(target, _Network(deadline, bounds.public), bounds))
             response = stack.enter_context(
-                pool.stream(method, wire, headers=list(given.items()), content=body)
+                pool.stream(method, wire, headers=list(sent_headers.items()), content=body)
             )
             answer = b"".join(_read(response.iter_stream(), bounds.answer_bytes))
             return Answer(response.status, answer)
@@ -104,16 +104,16 @@ def parse_url(url: str) -> httpx.URL:
     """Return an http or https URL with a host, a valid port and no password; or BadInputError."""
     got = repr(url[:80])
     try:
-        found = httpx.URL(url)
+        parsed = httpx.URL(url)
     except (httpx.InvalidURL, ValueError):
         raise BadInputError(f"url: expected http(s)://host/…, got {got}") from None
-    if found.scheme not in ("http", "https") or not found.host or len(url) > LONGEST_URL:
+    if parsed.scheme not in ("http", "https") or not parsed.host or len(url) > LONGEST_URL:
         raise BadInputError(f"url: expected http(s)://host/…, got {got}")
-    if found.port is not None and not 1 <= found.port <= 65535:
-        raise BadInputError(f"url: expected a port from 1 to 65535, got {found.port}")
-    if found.userinfo:
+    if parsed.port is not None and not 1 <= parsed.port <= 65535:
+        raise BadInputError(f"url: expected a port from 1 to 65535, got {parsed.port}")
+    if parsed.userinfo:
         raise BadInputError("url: expected none with a password")
-    return found
+    return parsed
 
 
 def resolve(host: str, port: int, *, public: bool) -> list[str]:
@@ -123,10 +123,10 @@ def resolve(host: str, port: int, *, public: bool) -> list[str]:
     addresses is not reachable from everywhere.
     """
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+        entries = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
         raise BadInputError(f"url: expected a host that is known, got {host!r}") from None
-    addresses = list(dict.fromkeys(str(each[4][0]) for each in found))
+    addresses = list(dict.fromkeys(str(each[4][0]) for each in entries))
     if public and not all(map(is_public, addresses)):
         raise ForbiddenError(
             f"url: expected a public address, {host!r} is of this machine or a private "
@@ -137,18 +137,18 @@ def resolve(host: str, port: int, *, public: bool) -> list[str]:
 
 def is_public(address: str) -> bool:
     """Return whether an IP address is a single host that every network can reach."""
-    found: ipaddress.IPv4Address | ipaddress.IPv6Address
-    found = ipaddress.ip_address(address.partition("%")[0])
-    if isinstance(found, ipaddress.IPv6Address):
-        if found.ipv4_mapped is not None:
-            found = found.ipv4_mapped
-        elif found in NAT64:
-            found = ipaddress.IPv4Address(int(found) & 0xFFFF_FFFF)
-        elif found not in GLOBAL_UNICAST:
+    ip: ipaddress.IPv4Address | ipaddress.IPv6Address
+    ip = ipaddress.ip_address(address.partition("%")[0])
+    if isinstance(ip, ipaddress.IPv6Address):
+        if ip.ipv4_mapped is not None:
+            ip = ip.ipv4_mapped
+        elif ip in NAT64:
+            ip = ipaddress.IPv4Address(int(ip) & 0xFFFF_FFFF)
+        elif ip not in GLOBAL_UNICAST:
             return False
-    if any(found in network for network in NOT_PUBLIC if network.version == found.version):
+    if any(ip in network for network in NOT_PUBLIC if network.version == ip.version):
         return False
-    return found.is_global and not found.is_multicast
+    return ip.is_global and not ip.is_multicast
 
 
 def _read(parts: Iterable[bytes], most: int) -> Iterable[bytes]:

@@ -63,11 +63,11 @@ def create(entry: Entry, label_id: int | None, fields: dict[str, Any], distinct:
         number = _next_id(draft) if label_id is None else label_id
         if number in draft.palette:
             raise ConflictError(f"label id: expected an unused id, {number} is taken")
-        given = {"color": palette.default_color(number), **fields}
+        attributes = {"color": palette.default_color(number), **fields}
         if distinct:
-            given |= free_name_and_color(given, draft.palette.values())
-        _require_category(draft, given)
-        label = Label(number, **given)
+            attributes |= free_name_and_color(attributes, draft.palette.values())
+        _require_category(draft, attributes)
+        label = Label(number, **attributes)
         add_label(draft, label)
         return replace(entry, summary=f"create label '{label.name}'", label=label)
 
@@ -171,10 +171,10 @@ def _next_id(draft: Draft) -> int:
 
 def palette_of(connection: Connection, state: SequenceState) -> Palette:
     """Return the current palette, used to choose labels to add."""
-    given = palette.given_ids(connection, state.number, state.classes)
+    ids = palette.given_ids(connection, state.number, state.classes)
     labels = tuple(state.palette.values())
     categories = allowed(connection, state.number, labels)
-    return Palette(labels, given, state.highest_label, categories, state.classes)
+    return Palette(labels, ids, state.highest_label, categories, state.classes)
 
 
 def _require_category(draft: Draft, fields: Mapping[str, Any]) -> None:
@@ -206,16 +206,18 @@ def write(
     def plan(draft: Draft) -> Entry:
         if if_match is not None:
             _require_unchanged(draft.state, *if_match)
-        given: Writes
+        frame_writes: Writes
         if callable(writes):
-            labels, given = writes(palette_of(draft.connection, draft.state))
+            labels, frame_writes = writes(palette_of(draft.connection, draft.state))
             for label in labels:
                 palette.check_id(label.id)
                 palette.check_fields({name: getattr(label, name) for name in palette.FIELDS})
                 add_label(draft, label)
         else:
-            given = writes
-        for frame, what in given.items() if isinstance(given, Mapping) else given:
+            frame_writes = writes
+        for frame, what in (
+            frame_writes.items() if isinstance(frame_writes, Mapping) else frame_writes
+        ):
             draft.write(frame, what)
         for frame, label_id in tracks:
             draft.state.frame_points(frame)
@@ -242,16 +244,16 @@ def _require_unchanged(state: SequenceState, frame: int, revision: int) -> None:
 
 def check_tracks(tracks: Iterable[Mapping[str, Any]]) -> Tracks:
     """Return the tracks by frame and label, as JSON; raises BadInputError."""
-    found: Tracks = {}
+    by_place: Tracks = {}
     for track in tracks:
         try:
             place = (int(track["frame"]), int(track["label"]))
-            found[place] = json.dumps(dict(track), allow_nan=False)
+            by_place[place] = json.dumps(dict(track), allow_nan=False)
         except (KeyError, TypeError, ValueError) as error:
             raise BadInputError(
                 f"tracks: expected maps with frame, label and finite numbers, got {error}"
             ) from None
-    return found
+    return by_place
 
 
 # ── undo and redo ────────────────────────────────────────────────────────────────────────────

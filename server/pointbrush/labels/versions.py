@@ -84,8 +84,8 @@ class Versions:
             lock_project(connection, project)
             if _find(connection, version) is not None:
                 raise ConflictError(f"id: expected one of no snapshot yet, got {version!r}")
-            held = select(func.count()).where(versions.c.project == project)
-            if connection.execute(held).scalar_one() >= MOST_VERSIONS:
+            count = select(func.count()).where(versions.c.project == project)
+            if connection.execute(count).scalar_one() >= MOST_VERSIONS:
                 raise BadInputError(f"snapshots: expected at most {MOST_VERSIONS:,} in a project")
             now = self._database.now(connection)
             row = {"id": version, "project": project, "name": name, "created": now}
@@ -144,8 +144,8 @@ class Versions:
     def now(self, sequence: str) -> Moment:
         """Return the current state of a recording; raises NotFoundError."""
         with self._database.read() as connection:
-            for found in _moments(connection, sequences.c.id == sequence):
-                return _moment(connection, *found)
+            for row in _moments(connection, sequences.c.id == sequence):
+                return _moment(connection, *row)
         raise NotFoundError(f"sequence: expected a known id, got {sequence!r}")
 
 
@@ -197,12 +197,12 @@ class PastLabels:
             _same(state, self._moment)
             undone = _undone(connection, number, until)
             rows = connection.execute(chosen.order_by(table.revision)).all()
-        found = {
+        tracks = {
             (row.frame, row.label): row.data
             for row in rows
             if row.revision not in undone and row.label in self._moment.palette
         }
-        return [json.loads(found[key]) for key in sorted(found)]
+        return [json.loads(tracks[key]) for key in sorted(tracks)]
 
     def changed_frames(self, sequence: str, since: int) -> list[int]:
         """Return the frames that edits after revision ``since`` have changed."""
@@ -227,8 +227,8 @@ class PastBoxes:
         number, until = self._moment.number, self._moment.revision
         with self._open_recordings.reading(sequence) as (connection, state):
             _same(state, self._moment)
-            found = as_at(connection, number, until, _undone(connection, number, until))
-        return BoxList(tuple(read_boxes(found, self._moment.palette.keys())), until)
+            boxes = as_at(connection, number, until, _undone(connection, number, until))
+        return BoxList(tuple(read_boxes(boxes, self._moment.palette.keys())), until)
 
 
 def _same(state: SequenceState, moment: Moment) -> SequenceState:
@@ -249,9 +249,9 @@ def _words(
     if stop <= first:
         return np.zeros(0, np.uint64)
     begin, last = first // BLOCK, (stop - 1) // BLOCK
-    held = state.block_run(connection, *layer, begin, last)
+    blocks = state.block_run(connection, *layer, begin, last)
     words = np.zeros((last - begin + 1) * BLOCK, np.uint64)
-    for number, block in enumerate(held):
+    for number, block in enumerate(blocks):
         if block.states is not None:
             words[number * BLOCK : number * BLOCK + len(block.states)] = block.states
     table = edit_blocks.c

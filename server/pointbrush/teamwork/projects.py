@@ -75,8 +75,8 @@ class Projects:
     def all(self) -> list[Project]:
         """Return all projects, by name."""
         with self._database.read() as connection:
-            found = _projects(connection)
-        return sorted(found, key=lambda each: (each.name.lower(), each.id))
+            known = _projects(connection)
+        return sorted(known, key=lambda each: (each.name.lower(), each.id))
 
     def get(self, project: str) -> Project:
         """Return a project; raises NotFoundError."""
@@ -99,8 +99,8 @@ class Projects:
             if connection.execute(select(projects.c.id).where(projects.c.id == project)).first():
                 raise ConflictError(f"id: expected one of no project yet, got {project!r}")
             lock_project(connection, FIRST)  # serializes the count among servers
-            held = connection.execute(select(func.count()).select_from(projects)).scalar_one()
-            if held >= MOST_PROJECTS:
+            count = connection.execute(select(func.count()).select_from(projects)).scalar_one()
+            if count >= MOST_PROJECTS:
                 raise BadInputError(f"projects: expected at most {MOST_PROJECTS:,} in a workspace")
             connection.execute(insert(projects), row | {"created": self._database.now(connection)})
             _apply(connection, project, change)
@@ -127,8 +127,8 @@ class Projects:
             )
         with self._database.write() as connection:
             lock_project(connection, project)
-            held = select(sequences.c.id).where(project == PROJECT_OF, LIVE)
-            if (one := connection.execute(held.limit(1)).scalar()) is not None:
+            members = select(sequences.c.id).where(project == PROJECT_OF, LIVE)
+            if (one := connection.execute(members.limit(1)).scalar()) is not None:
                 raise ConflictError(
                     f"project: expected one without recordings, {project!r} has {one!r}: "
                     "move them to another project first"
@@ -162,14 +162,14 @@ def _found(connection: Connection, project: str) -> Project | None:
 
 
 def _project(connection: Connection, project: str) -> Project:
-    for found in _projects(connection, project):
-        return found
+    for known in _projects(connection, project):
+        return known
     raise NotFoundError(f"project: expected a known id, got {project!r}")
 
 
 def _projects(connection: Connection, only: str | None = None) -> list[Project]:
     chosen = select(projects)
-    held = (
+    members = (
         select(PROJECT_OF.label("project"), sequences.c.id)
         .where(LIVE, WHOLE)
         .order_by(sequences.c.id)
@@ -177,12 +177,15 @@ def _projects(connection: Connection, only: str | None = None) -> list[Project]:
     roles = select(project_roles)
     if only is not None:
         chosen = chosen.where(projects.c.id == only)
-        held, roles = held.where(only == PROJECT_OF), roles.where(project_roles.c.project == only)
+        members, roles = (
+            members.where(only == PROJECT_OF),
+            roles.where(project_roles.c.project == only),
+        )
     people: dict[str, dict[str, Role]] = {}
     recordings: dict[str, list[str]] = {}
     for row in connection.execute(roles):
         people.setdefault(row.project, {})[row.account] = row.role
-    for row in connection.execute(held):
+    for row in connection.execute(members):
         recordings.setdefault(row.project, []).append(row.id)
     return [
         Project(

@@ -39,20 +39,20 @@ class Repaired:
 
 
 def _repair_database(store: WorkspaceStore, done: Repaired) -> None:
-    found = store.integrity()
-    if not found:
+    faults = store.integrity()
+    if not faults:
         return
     try:
         store.rebuild_indexes()
     except ReadOnlyError:
         raise
     except UnavailableError as error:
-        found = [*found, f"database: its indexes cannot be made anew: {error}"]
+        faults = [*faults, f"database: its indexes cannot be made anew: {error}"]
     else:
         left = store.integrity()
-        done.rebuilt += [line for line in found if line not in left]
-        found = left
-    done.lost += [f"{line}; restore it from a backup" for line in found]
+        done.rebuilt += [line for line in faults if line not in left]
+        faults = left
+    done.lost += [f"{line}; restore it from a backup" for line in faults]
 
 
 def _repair_labels(store: WorkspaceStore, sequence: str, done: Repaired) -> None:
@@ -83,24 +83,26 @@ class Listing:
 
         ``copies``: include copies for one person.  The scratch recording is excluded.
         """
-        found, revisions = self._library.survey(), self._store.sequences()
-        if revisions.keys() != {folder.id for folder in found}:
+        folders, revisions = self._library.survey(), self._store.sequences()
+        if revisions.keys() != {folder.id for folder in folders}:
             # A deletion or an import was interrupted, on this or another server.
             self._deletion.tidy()
-            for one in found:
+            for one in folders:
                 if one.id not in revisions:
                     self._library.store.forget(one.id)
-            found = self._library.survey()
-            self._imports.complete([one.manifest for one in found if one.manifest is not None])
+            folders = self._library.survey()
+            self._imports.complete([one.manifest for one in folders if one.manifest is not None])
             revisions = self._store.sequences()
         of_copies = self._store.team.copies.originals()
         if not copies:
-            found = [one for one in found if one.id not in of_copies]
+            folders = [one for one in folders if one.id not in of_copies]
             revisions = {n: number for n, number in revisions.items() if n not in of_copies}
-        whole = revisions.keys() == {one.id for one in found}
+        whole = revisions.keys() == {one.id for one in folders}
         importing = () if whole else self._store.guards.importing()
         progress, projects = self._store.progress(), self._store.team.summaries.projects()
-        missing = self._imports.source_labels.missing(one.manifest for one in found if one.manifest)
+        missing = self._imports.source_labels.missing(
+            one.manifest for one in folders if one.manifest
+        )
         entries = [
             listed(
                 one.id,
@@ -112,10 +114,10 @@ class Listing:
                 project=projects.get(one.id, FIRST),
                 copy_of=of_copies.get(one.id),
             )
-            for one in found
+            for one in folders
             if one.id != SCRATCH and (one.id in revisions or one.id not in importing)
         ]
-        alone = revisions.keys() - {one.id for one in found} - {SCRATCH}
+        alone = revisions.keys() - {one.id for one in folders} - {SCRATCH}
         entries += [listed(name, revisions[name], None, LABELS_ALONE) for name in alone]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
@@ -125,15 +127,15 @@ class Listing:
         Copies for one person are included.
         """
         wanted = text.strip().lower()
-        found: dict[str, sequences.Manifest] = {}
+        manifests: dict[str, sequences.Manifest] = {}
         matches = self._store.team.summaries.matching(search)
         matches.pop(SCRATCH, None)
         for sequence in matches:
             with suppress(NotFoundError, DamagedError):
                 manifest = self._library.recording(sequence).manifest
                 if wanted in sequence or wanted in manifest.name.lower():
-                    found[sequence] = manifest
-        progress = self._store.progress(found)
+                    manifests[sequence] = manifest
+        progress = self._store.progress(manifests)
         entries = [
             listed(
                 sequence,
@@ -143,7 +145,7 @@ class Listing:
                 project=matches[sequence].project,
                 copy_of=matches[sequence].copy_of,
             )
-            for sequence, manifest in found.items()
+            for sequence, manifest in manifests.items()
         ]
         return sorted(entries, key=lambda entry: (entry.name.lower(), entry.id))
 
@@ -151,15 +153,15 @@ class Listing:
         """Return one recording; raises NotFoundError if it has neither files nor labels."""
         revision = self._store.sequences().get(sequence)
         if self._library.has(sequence):
-            found = self._library.look(sequence)
+            folder = self._library.look(sequence)
             progress = self._store.progress([sequence]).get(sequence, NOTHING)
             return listed(
                 sequence,
                 revision or 0,
-                found.manifest,
-                found.damaged,
+                folder.manifest,
+                folder.damaged,
                 progress,
-                labels_missing=self._labels_missing(found.manifest),
+                labels_missing=self._labels_missing(folder.manifest),
                 project=self._store.team.summaries.project(sequence),
             )
         if revision is None:

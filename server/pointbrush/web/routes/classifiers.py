@@ -127,55 +127,59 @@ def predict(
     part of the frame also ``index`` uint32, the numbers of the points.  ``stored``: for pages, see
     docs/classifier.md.
     """
-    found = workspace.classifiers.predict(
+    prediction = workspace.classifiers.predict(
         body.classifier, seq, i, labels=body.labels, place=body.place
     )
     if format == "stored":
-        return Response(stored_bytes(found), media_type=MEDIA_TYPE)
-    arrays = _in_source_order(found, workspace.recording(seq)[i].source_index)
+        return Response(stored_bytes(prediction), media_type=MEDIA_TYPE)
+    arrays = _in_source_order(prediction, workspace.recording(seq)[i].source_index)
     file = io.BytesIO()
-    np.savez(file, classes=np.array(found.classes), **arrays)
+    np.savez(file, classes=np.array(prediction.classes), **arrays)
     return Response(file.getvalue(), media_type="application/zip")
 
 
-def _in_source_order(found: Prediction, source: np.ndarray[Any, Any]) -> dict[str, Any]:
+def _in_source_order(prediction: Prediction, source: np.ndarray[Any, Any]) -> dict[str, Any]:
     """Arrays of a prediction, which is in stored order."""
-    numbers = source if found.numbers is None else source[found.numbers]
+    numbers = source if prediction.numbers is None else source[prediction.numbers]
     order = np.argsort(numbers)
     arrays = {
-        "label": found.label[order],
-        "class": found.kind[order],
-        "confidence": found.confidence[order],
+        "label": prediction.label[order],
+        "class": prediction.kind[order],
+        "confidence": prediction.confidence[order],
     }
-    return arrays if found.numbers is None else arrays | {"index": numbers[order].astype(np.uint32)}
+    return (
+        arrays
+        if prediction.numbers is None
+        else arrays | {"index": numbers[order].astype(np.uint32)}
+    )
 
 
-def stored_bytes(found: Prediction) -> bytes:
+def stored_bytes(prediction: Prediction) -> bytes:
     """Return a prediction in stored order: a length uint32, JSON, then the arrays one by one."""
     about = {
-        "points": len(found.kind),
-        "part": found.numbers is not None,
-        "classes": found.classes,
-        "labels": found.labels,
+        "points": len(prediction.kind),
+        "part": prediction.numbers is not None,
+        "classes": prediction.classes,
+        "labels": prediction.labels,
         "confused": [
-            [int(one), int(other), int(found.confused[one, other])]
-            for one, other in np.argwhere(found.confused)
+            [int(one), int(other), int(prediction.confused[one, other])]
+            for one, other in np.argwhere(prediction.confused)
         ],
-        "doubts": found.doubts.tolist(),
+        "doubts": prediction.doubts.tolist(),
     }
     head = json.dumps(about).encode()
     head += b" " * (-(4 + len(head)) % 4)  # aligns the numbers of points, which are read in place
     parts = [len(head).to_bytes(4, "little"), head]
-    if found.numbers is not None:
-        parts.append(found.numbers.astype("<u4").tobytes())
-    return b"".join([*parts, found.kind.tobytes(), found.confidence.tobytes()])
+    if prediction.numbers is not None:
+        parts.append(prediction.numbers.astype("<u4").tobytes())
+    return b"".join([*parts, prediction.kind.tobytes(), prediction.confidence.tobytes()])
 
 
 @router.get("/sequences/{seq}/starts", **needs("annotator", 404))
 def list_starts(seq: SequenceId, workspace: Ws, who: Caller, gate: TheGate) -> list[Start]:
     """List the labelled recordings from which a classifier of this recording can start."""
-    found = workspace.classifiers.starts(seq)
-    return [each for each in found if gate.may_see(who, each.recording)]
+    starts = workspace.classifiers.starts(seq)
+    return [each for each in starts if gate.may_see(who, each.recording)]
 
 
 @router.get("/sequences/{seq}/doubt", **needs("annotator", 404))
@@ -203,13 +207,13 @@ def get_doubt(
     ] = "source",
 ) -> list[Place]:
     """List the places where a label would teach most, the best first, in one or in all frames."""
-    found = workspace.classifiers.doubt(
+    places = workspace.classifiers.doubt(
         classifier, seq, frame=frame, workspace=all, near=near, most=most, between=between or ()
     )
-    seen = [each for each in found if gate.may_see(who, each.sequence)]
+    visible = [each for each in places if gate.may_see(who, each.sequence)]
     if format == "source":
-        seen = [_in_source_runs(workspace, each) for each in seen]
-    return seen
+        visible = [_in_source_runs(workspace, each) for each in visible]
+    return visible
 
 
 def _in_source_runs(workspace: Ws, place: Place) -> Place:
@@ -232,12 +236,14 @@ def answer_doubt(seq: SequenceId, body: DoubtAnswer, workspace: Ws, who: Caller)
     of the classes, the classifier leaves the place out of its predictions.  It does not ask about
     an answered or skipped place again.
     """
-    place, found = body.place, workspace.classifiers
+    place, classifiers = body.place, workspace.classifiers
     if body.class_ is not None:
-        return found.answer(
+        return classifiers.answer(
             body.classifier, seq, place.frame, place.centre, body.class_, author=who.author
         )
-    found.ignore(body.classifier, seq, place.frame, place.centre, place.radius, skipped=body.skip)
+    classifiers.ignore(
+        body.classifier, seq, place.frame, place.centre, place.radius, skipped=body.skip
+    )
     return Response(status_code=204)  # type: ignore[return-value]
 
 

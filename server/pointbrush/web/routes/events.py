@@ -48,8 +48,8 @@ async def wait_for_events(
     watching: Watching = request.app.state.watching
 
     def look() -> tuple[Events, bool]:
-        found = happened(workspace, seq, after, jobs_seen)
-        return found, bool(found.edits or found.jobs) or after is None
+        events = happened(workspace, seq, after, jobs_seen)
+        return events, bool(events.edits or events.jobs) or after is None
 
     return await watching.until(seq, look, wait)
 
@@ -59,10 +59,10 @@ def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str |
     access = workspace.labels.team.access
     mine = (job for job in workspace.jobs.all() if job.sequence == seq)
     jobs = [job for job in mine if access.is_of(seq, job.created)]
-    seen = _digest(jobs)
+    digest = _digest(jobs)
     revision = workspace.labels.revision(seq) if after is None else after
-    found = workspace.labels.edits(seq, after=revision, limit=MOST_EDITS)
-    edits = tuple(past_edit(edit, workspace) for edit in found)
+    later = workspace.labels.edits(seq, after=revision, limit=MOST_EDITS)
+    edits = tuple(past_edit(edit, workspace) for edit in later)
     tracked = {frame for edit in edits if edit.kind == TRACKING for frame in edit.frames}
     doubts = tuple(
         track_of(track)
@@ -71,10 +71,10 @@ def happened(workspace: Workspace, seq: str, after: int | None, jobs_seen: str |
     )
     return Events(
         edits[-1].revision if edits else revision,
-        seen,
+        digest,
         edits,
         doubts,
-        () if seen == jobs_seen else tuple(jobs),
+        () if digest == jobs_seen else tuple(jobs),
     )
 
 

@@ -164,8 +164,8 @@ class Provider:
         if "code" not in answer:
             reason = answer.get("error", "no code")[:60]
             raise UnauthorizedError(f"sign-in: expected the provider's code, got {reason!r}")
-        given = self._exchange(answer["code"], flow.verifier, redirect)
-        return self._person(self._claims(given, flow.nonce))
+        tokens = self._exchange(answer["code"], flow.verifier, redirect)
+        return self._person(self._claims(tokens, flow.nonce))
 
     def _exchange(self, code: str, verifier: str, redirect: str) -> Mapping[str, Any]:
         """Exchange a code for the provider's tokens."""
@@ -194,19 +194,19 @@ class Provider:
                 )
             return _object(answer)
 
-    def _claims(self, given: Mapping[str, Any], nonce: str) -> Mapping[str, Any]:
+    def _claims(self, tokens: Mapping[str, Any], nonce: str) -> Mapping[str, Any]:
         """Return the claims of the ID token in the provider's answer, after checking it."""
-        token = given.get("id_token")
+        token = tokens.get("id_token")
         try:
             if not isinstance(token, str):
                 raise ValueError("no ID token")  # noqa: TRY004 – as all that is wrong with it
-            found = self._decoded(token)
+            decoded = self._decoded(token)
             claims = CodeIDToken(
-                found.claims,
-                found.header,
+                decoded.claims,
+                decoded.header,
                 {"iss": {"value": self._issuer}, "aud": {"value": self._client}},
                 {"nonce": nonce, "client_id": self._client,
-                 "access_token": given.get("access_token")},
+                 "access_token": tokens.get("access_token")},
             )  # fmt: skip
             claims.validate(leeway=LEEWAY_SECONDS)
             if not claims["sub"]:
@@ -236,13 +236,13 @@ class Provider:
         """Return the highest role that the claim has."""
         claim = _within(claims, self._claim)
         roles = claim if isinstance(claim, list) else [claim]
-        found = [role for role in ROLES if role in roles]
-        if not found:
+        known = [role for role in ROLES if role in roles]
+        if not known:
             raise ForbiddenError(
                 f"{self._claim}: expected one of the roles {', '.join(ROLES)} at the provider, "
                 "got none"
             )
-        return found[-1]
+        return known[-1]
 
     def _look(self, oldest: float = KNOWN_SECONDS) -> _Known:
         """Return the provider's description and keys, read again once older than ``oldest`` s.
@@ -288,9 +288,9 @@ class Provider:
                 raise ValueError(f"issuer {described.get('issuer')!r}")
             for name in ENDPOINTS:
                 _require_private(name, described[name])
-            found = _fetch(described["jwks_uri"])
+            key_set = _fetch(described["jwks_uri"])
             # Ignore keys for encryption and keys of other kinds.
-            usable = [key for key in found["keys"] if key.get("use", "sig") == "sig"]
+            usable = [key for key in key_set["keys"] if key.get("use", "sig") == "sig"]
             kinds = [key for key in usable if key.get("kty") in ("RSA", "EC")]
             return _Known(described, KeySet.import_key_set({"keys": kinds}), now)
 
@@ -321,18 +321,18 @@ def _provider_call() -> Iterator[None]:
 
 def _object(answer: Answer) -> dict[str, Any]:
     """Return the JSON object of an answer; raises ValueError for anything else."""
-    found = json.loads(answer.body)
-    if not isinstance(found, dict):
+    document = json.loads(answer.body)
+    if not isinstance(document, dict):
         raise ValueError("no JSON object")  # noqa: TRY004 – of the answer, not of our call
-    return found
+    return document
 
 
 def _within(claims: Mapping[str, Any], path: str) -> Any:
     """Return a claim by its name, or by names with dots from the outermost on."""
-    found: Any = claims
+    value: Any = claims
     for name in (path,) if path in claims else path.split("."):
-        found = found.get(name) if isinstance(found, dict) else None
-    return found
+        value = value.get(name) if isinstance(value, dict) else None
+    return value
 
 
 def _require_private(what: str, address: str) -> None:

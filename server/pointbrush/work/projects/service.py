@@ -27,22 +27,22 @@ class Projects:
 
     def all(self, account: str, role: Role) -> list[ProjectInfo]:
         """Return the visible projects of an account, by name."""
-        found, seen = [], cache(partial(self._seen, account))
+        overviews, visible = [], cache(partial(self._visible, account))
         for project in self._store.team.projects.all():
             own = project.role_of(account, role)
             if own is not None:
-                found.append(self._overview(project, own, *seen(includes(own, COMPARES))))
-        return found
+                overviews.append(self._overview(project, own, *visible(includes(own, COMPARES))))
+        return overviews
 
     def get(self, project: str, account: str, role: Role) -> ProjectInfo:
         """Return a project for an account with ``role`` in it; raises NotFoundError."""
-        seen = self._seen(account, includes(role, COMPARES))
-        return self._overview(self._store.team.projects.get(project), role, *seen)
+        visible = self._visible(account, includes(role, COMPARES))
+        return self._overview(self._store.team.projects.get(project), role, *visible)
 
     def _sight(self, account: str, compares: bool) -> Sight:
         return Sight() if compares else self._store.team.access.sight(account)
 
-    def _seen(self, account: str, compares: bool) -> tuple[Sight, Counts]:
+    def _visible(self, account: str, compares: bool) -> tuple[Sight, Counts]:
         sight = self._sight(account, compares)
         return sight, self._store.team.summaries.tasks(sight.hidden)
 
@@ -55,10 +55,10 @@ class Projects:
         options = EffortOptions()
         effort = Effort(options.idle, options.first, MACHINE, STROKES)
         sight = self._sight(account, includes(role, COMPARES))
-        found = self._store.team.summaries.figures(project, effort, sight.hidden)
+        figures = self._store.team.summaries.figures(project, effort, sight.hidden)
         name = self._store.accounts.name
-        people = [replace(each, name=name(each.name)) for each in found.people]
-        return replace(found, people=tuple(people))
+        people = [replace(each, name=name(each.name)) for each in figures.people]
+        return replace(figures, people=tuple(people))
 
     def create(
         self, change: ProjectPatch, project: str | None, account: str, role: Role
