@@ -19,6 +19,7 @@ import pytest
 from pointbrush.cli import main
 from pointbrush.client import Client
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
+from pointbrush.web.problems import loggable
 from tests.serving import Served, add_sequence, serving, settings_in
 
 API = "/api/v1"
@@ -34,7 +35,8 @@ STUDY: dict[str, Any] = {
     "tasks": [
         {"name": "halves", "recording": "wall", "frames": "1:3", "labels": ["left", "right"],
          "time_limit_s": 600, "instructions": "Label both halves."},
-        {"name": "try", "recording": "wall", "frames": "0:1", "labels": ["left"], "practice": True},
+        {"name": "try", "recording": "wall", "frames": "0:1", "labels": ["left"], "practice": True,
+         "stop": "iou", "target_iou": 0.75},
     ],
     "questionnaires": [
         {"name": "sus", "scoring": "sus"},
@@ -136,6 +138,8 @@ class Person:
             {"kind": "device", "step": number, "t": t + 370, "profile": {"gpu": "none"}},
         )  # fmt: skip
         curve.append((t / 1000 + 0.25, self.iou(step)))
+        reached = step["kind"] == "practice"
+        assert (step["reached"], self.step()["reached"]) == (False, reached)
 
     def stroke(self, sequence: str, frame: int, label: int, sign: float) -> str:
         """Paint most points of a half."""
@@ -199,7 +203,9 @@ def pause_and_refuse(study: Any, person: Person) -> None:
     """Pause a session, and send logs with a gap and with changed records."""
     person.step(0)
     assert study.pause(1).state == "paused"
-    assert person.step()["kind"] == "pause"
+    paused = [person.step() for _ in range(2)]
+    assert [each["kind"] for each in paused] == ["pause", "pause"]
+    assert paused[0]["elapsed_s"] == paused[1]["elapsed_s"]
     refused = person.call("POST", f"/study/{person.code}/step", {"number": 1})
     assert (refused.status_code, "paused" in refused.text) == (409, True)
     assert study.pause(person.code, paused=False).state == "running"
@@ -331,6 +337,17 @@ def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Serve
             ann[own]
 
 
+def test_the_log_of_the_server_has_no_code(people: list[Person]) -> None:
+    code = people[0].code
+    for path in (
+        f"/study/{code}",
+        f"{API}/study/{code}/step",
+        f"{API}/studies/s/participants/{code}",
+    ):
+        assert code not in loggable(path)
+        assert loggable(path).startswith(path.partition(code)[0])
+
+
 def test_invalid_studies_name_the_fault(lead: Client) -> None:
     for text, words in (
         ("title: [", "expected YAML"),
@@ -349,7 +366,7 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
 def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
     workspace = server.workspace
     session = workspace.labels.studies.get("halves", people[1].code)
-    copies = workspace.labels.studies.copies(session.account)
+    copies = workspace.labels.studies.copies(session)
     history = [edit for copy in copies.values() for edit in workspace.labels.edits(copy)]
     edits = [edit.id for edit in history if edit.kind != "import"]
     identities = [workspace.recording(copy).manifest.identity for copy in copies.values()]

@@ -153,7 +153,7 @@ class Studies:
             sequences.c.number.in_([*session.copies.values()]), sequences.c.deleted.is_(None)
         )
         with self._database.read() as connection:
-            ids = dict(connection.execute(query).tuples().all())
+            ids = {row.number: row.id for row in connection.execute(query)}
         return {step: ids[number] for step, number in session.copies.items() if number in ids}
 
     def keep_copy(self, account: str, step: int, sequence: str) -> None:

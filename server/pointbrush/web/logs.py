@@ -16,14 +16,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from pointbrush.database.job import Job
 from pointbrush.labels import Commit
-from pointbrush.web.problems import LONGEST_PATH
+from pointbrush.web.problems import loggable
 from pointbrush.work.events import Event
 from pointbrush.workspace import Workspace
 
 FORMATS = ("text", "json")
-SECRET = re.compile(
-    r"(?i)(token=|/study/|bearer\s+|pointbrush_(?:session|account|oidc)\w*=)[^\s&\"';,]+"
-)
+SECRET = re.compile(r"(?i)(token=|bearer\s+|pointbrush_(?:session|account|oidc)\w*=)[^\s&\"';,]+")
 LONGEST_METHOD = 20
 """Characters of a request's method that are logged."""
 HIDDEN = "[hidden]"
@@ -95,7 +93,7 @@ class RequestLog:
         finally:
             fields = {
                 "method": scope.get("method", "WEBSOCKET")[:LONGEST_METHOD],
-                "path": scope["path"][:LONGEST_PATH],
+                "path": loggable(scope["path"]),
                 "known": scope.get("state", {}).get("known", False),
                 "milliseconds": round(1000 * (time.monotonic() - begun), 1),
             }

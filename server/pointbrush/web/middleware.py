@@ -21,7 +21,7 @@ from pointbrush.errors import (
 from pointbrush.settings import Settings
 from pointbrush.streaming.metrics import Metrics
 from pointbrush.system.resources import shortage
-from pointbrush.web.problems import LONGEST_PATH, problem_of
+from pointbrush.web.problems import loggable, problem_of
 from pointbrush.web.security.auth import Gate, bearer_of
 from pointbrush.web.security.clients import RateLimit
 
@@ -76,7 +76,7 @@ class Guard:
         except Exception as error:  # during an answer; an earlier error is answered as a problem
             if (short := shortage(_first(error))) is None:
                 raise
-            path = scope["path"][:LONGEST_PATH]
+            path = loggable(scope["path"])
             log.warning("%s %s is broken off: %s", scope["method"], path, short)
 
     def _admit(self, scope: Scope, headers: Headers) -> None:

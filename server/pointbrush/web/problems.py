@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import logging
+import re
 from collections.abc import Awaitable, Callable, Mapping
 from http import HTTPStatus
 from typing import Any
@@ -26,6 +27,7 @@ logger = logging.getLogger(__name__)
 Handler = Callable[[Request, Exception], Awaitable[JSONResponse]]
 LONGEST_PATH = 200
 """Characters of a path that are logged, or repeated in an answer."""
+CODE = re.compile(r"(/(?:study|participants)/)[^/]+")
 MEDIA_TYPE = "application/problem+json"
 EXTRA_HEADERS = {
     401: {"WWW-Authenticate": 'Bearer realm="pointbrush"'},
@@ -81,6 +83,11 @@ def install(app: FastAPI) -> None:
         app.add_exception_handler(kind, _for_requests(handler))
 
 
+def loggable(path: str) -> str:
+    """Return the begin of a request's path without the code of a study's participant."""
+    return CODE.sub(r"\1[hidden]", path)[:LONGEST_PATH]
+
+
 def _for_requests(handler: Handler) -> Handler:
     """Handle errors of requests only; a socket sends its own messages, and its errors propagate."""
 
@@ -92,17 +99,12 @@ def _for_requests(handler: Handler) -> Handler:
     return handle
 
 
-def _shown(request: Request) -> str:
-    """Return a request's path, shortened for the log."""
-    return request.url.path[:LONGEST_PATH]
-
-
 async def _ours(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, errors.PointbrushError)  # noqa: S101 – registered for this class
     if isinstance(error, errors.DamagedError):
-        logger.error("%s: %s", _shown(request), error)
+        logger.error("%s: %s", loggable(request.url.path), error)
     if error.private:
-        logger.warning("%s %s: %s", request.method, _shown(request), error.whole)
+        logger.warning("%s %s: %s", request.method, loggable(request.url.path), error.whole)
     detail = request.app.state.workspace.paths.hide(str(error))
     return problem(status_of(error), detail, error.title)
 
@@ -129,7 +131,7 @@ async def _http(request: Request, error: Exception) -> JSONResponse:
 
 def _error_sentence(request: Request, error: HTTPException, headers: Mapping[str, str]) -> str:
     """Return a full sentence for errors that the router describes by a phrase."""
-    path = _shown(request)
+    path = loggable(request.url.path)
     if error.status_code == 405:
         return f"method: expected {headers['Allow']} for {path}, got {request.method}"
     if error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
@@ -156,7 +158,7 @@ async def _system(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _unexpected(request: Request, error: Exception) -> JSONResponse:
-    logger.error("%s %s failed", request.method, _shown(request), exc_info=error)
+    logger.error("%s %s failed", request.method, loggable(request.url.path), exc_info=error)
     return problem(500, "the server failed; its log has the reason")
 
 
