@@ -363,6 +363,17 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
         lead.studies["halves"].change(text=json.dumps(STUDY))
 
 
+def test_a_study_is_a_value_or_a_text(people: list[Person], lead: Client) -> None:
+    design = lead.studies["halves"].info.study
+    again = lead.studies.create(design, id="again")
+    assert again.info.study == design
+    third = lead.studies.create(text=again.info.text)
+    assert (third.id, third.info.study) == ("two-halves", design)
+    assert third.change(text=json.dumps(STUDY | {"order": "random"})).study.order == "random"
+    for each in (again, third):
+        each.delete()
+
+
 def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
     workspace = server.workspace
     session = workspace.labels.studies.get("halves", people[1].code)

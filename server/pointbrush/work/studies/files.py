@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.names import is_plain
@@ -83,20 +82,9 @@ def parse(text: str) -> Study:
 
 
 def to_text(study: Study) -> str:
-    """Return a study as YAML, without the values that are defaults."""
+    """Return a study as YAML."""
     import yaml
 
-    plain: Any = json.loads(json.dumps(_given(study)))
+    plain = json.loads(json.dumps(study.to_json()))
     text: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
     return text
-
-
-def _given(value: Any) -> Any:
-    """Return the fields of a body that differ from their defaults, in all bodies inside it too."""
-    fields = value.to_json()
-    return {
-        name: [_given(each) if hasattr(each, "given") else each for each in part]
-        if isinstance(part := getattr(value, name), tuple)
-        else fields[name]
-        for name in fields
-    }
