@@ -126,6 +126,7 @@ COMMANDS = {
     "project": "project list",
     "task": "task list",
     "webhook": "webhook list",
+    "study": "study list",
     "undo": "undo drift",
     "token": "token list",
     "check": "check",
