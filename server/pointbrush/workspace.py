@@ -6,6 +6,7 @@ in source order unless a name contains ``stored``.
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -16,6 +17,7 @@ from pointbrush.database.database import Limits
 from pointbrush.errors import BadInputError, ReadOnlyError
 from pointbrush.jobs.runner import JobRunner
 from pointbrush.lazy import once
+from pointbrush.names import is_plain
 from pointbrush.sequences import Manifest
 from pointbrush.sequences.storage.file_cache import FileCache
 from pointbrush.settings import Settings
@@ -131,7 +133,7 @@ class Workspace:
         self.loops = Loops(publish)
         self._objects = Objects(
             self.labels,
-            settings.workspace.absolute() / "objects",
+            self._object_folder,
             settings.selector,
             publish,
             lambda: self.loops.ensure("objects"),
@@ -217,6 +219,10 @@ class Workspace:
         return People(self._job_context)
 
     @property
+    def _object_folder(self) -> Path:
+        return self.settings.workspace.absolute() / "objects"
+
+    @property
     def _classifier_folder(self) -> Path:
         return self.settings.workspace.absolute() / CLASSIFIERS
 
@@ -277,7 +283,13 @@ class Workspace:
         from pointbrush.work.studies.service import Studies
 
         folder = self.settings.workspace.absolute() / STUDIES
-        return Studies(self.labels, self.library, folder, self.deletion.erase)
+        return Studies(self.labels, self.library, folder, self._erase)
+
+    def _erase(self, sequence: str) -> None:
+        """Remove a recording with its labels and prepared frames for ever."""
+        known = self.deletion.erase(sequence)
+        if known.identity and is_plain(known.identity):
+            shutil.rmtree(self._object_folder / known.identity, ignore_errors=True)
 
     @once
     def hooks(self) -> Hooks:

@@ -383,6 +383,9 @@ def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Se
     identities = [workspace.recording(copy).manifest.identity for copy in copies.values()]
     secrets = [people[1].code, session.account, *edits, *identities]
     folder = workspace.settings.workspace
+    for identity in identities:  # as object clicks leave them
+        (folder / "objects" / identity).mkdir(parents=True)
+        (folder / "objects" / identity / "000000.npz").touch()
 
     def found() -> set[str]:
         files = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
@@ -392,7 +395,7 @@ def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Se
             if any(text.encode() in content for content in (*files.values(), names))
         }  # fmt: skip
 
-    assert session.account in found()
+    assert {session.account, *identities} < found()
     assert people[1].code not in found()  # only its digest is stored
     lead.studies["halves"].delete_participant(people[1].code)
     assert found() == set()

@@ -52,47 +52,11 @@ StepKind = Annotated[
         }
     ),
 ]
-RecordKind = Annotated[
-    Literal[
-        "stroke",
-        "click",
-        "undo",
-        "redo",
-        "level",
-        "label",
-        "playback",
-        "pose",
-        "frame_time",
-        "device",
-        "phase",
-    ],
-    Meanings(
-        {
-            "stroke": "an edit of a brush: `id`, `tool`, `shape`, `label`, `frame`",
-            "click": "a click of the object tool: `shape` positive or negative, `label`, `frame`",
-            "undo": "the last edit was undone",
-            "redo": "the last undone edit was redone",
-            "level": "another `level` of the object tool's candidates",
-            "label": "another `label` was chosen",
-            "playback": "`action` play, pause, step or seek, and the `frame` it leads to",
-            "pose": "poses at 30 Hz: `head` (at the desk the camera), `left`, `right`",
-            "frame_time": "the last second: `mean_ms`, `p95_ms`, `dropped`",
-            "device": "the device, once a session: `profile`",
-            "phase": "another `phase` began",
-        }
-    ),
-]
-ParticipantState = Annotated[
-    Literal["waiting", "running", "paused", "done"],
-    Meanings(
-        {
-            "waiting": "has not begun",
-            "running": "works on a step",
-            "paused": "the experimenter has paused the session",
-            "done": "has finished the last step",
-        }
-    ),
-]
+RecordKind = Literal[
+    "stroke", "click", "undo", "redo", "level", "label", "playback", "pose", "frame_time",
+    "device", "phase",
+]  # fmt: skip
+ParticipantState = Literal["waiting", "running", "paused", "done"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -239,7 +203,7 @@ class Participant(Value):
     conditions: tuple[str, ...]
     """Names of the participant's conditions in order."""
     state: ParticipantState
-    """State of the session."""
+    """`waiting` (has not begun), `running`, `paused` by the experimenter, or `done`."""
     step: int
     """Number of the current step, from 0."""
     count: int
@@ -355,7 +319,11 @@ class LogRecord(Body):
     """One record of a session's log; fields that its ``kind`` does not name are left out."""
 
     kind: RecordKind
-    """Kind of the record."""
+    """`stroke`: an edit (``id``, ``tool``, ``shape``, ``label``, ``frame``); `click` of the object
+    tool (``shape`` positive or negative); `undo`, `redo` of the last edit; another `level` of its
+    candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it
+    leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second;
+    `device` (``profile``), once a session; `phase` that begins."""
     step: Annotated[int, Rule(ge=0, lt=100_000)]
     """Number of the step in which it was made."""
     t: Annotated[float, Rule(ge=0, le=1e9, allow_inf_nan=False)]

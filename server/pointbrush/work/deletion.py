@@ -57,8 +57,8 @@ class Deletion:
         self._tidy_later()
         self._publish(SequencesChanged(sequence))
 
-    def erase(self, sequence: str) -> None:
-        """Delete a recording with its labels for ever; raises as ``delete``."""
+    def erase(self, sequence: str) -> Known:
+        """Delete a recording with its labels for ever, and return it; raises as ``delete``."""
         self._library.require_writable()
         known = self._store.recordings.delete(sequence)
         self._library.hidden |= {sequence}
@@ -68,6 +68,7 @@ class Deletion:
             raise UnavailableError(f"sequence: the files of {sequence!r} cannot be removed now")
         self._store.recordings.erase(known.number)
         self._publish(SequencesChanged(sequence))
+        return known
 
     def _is_deleted(self, identity: str) -> bool:
         return any(known.identity == identity for known in self._store.recordings.deleted())

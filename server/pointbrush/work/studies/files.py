@@ -32,7 +32,7 @@ class StudyFiles:
 
     def read(self, study: str) -> Study:
         """Return a study; raises NotFoundError, and BadInputError for an invalid file."""
-        return parse(self.text(study))
+        return parse(self.text(study), study)
 
     def write(self, study: str, text: str) -> None:
         """Replace the file of a study, whole or not at all."""
@@ -59,26 +59,27 @@ def template(name: str) -> str:
     return (TEMPLATES / f"{name}{ENDING}").read_text(encoding="utf-8")
 
 
-def parse(text: str) -> Study:
+def parse(text: str, name: str = "study") -> Study:
     """Return the study that a YAML text describes; raises BadInputError with the place of a fault.
 
-    Aliases are refused: a few lines of them can stand for any amount of data.
+    ``name``: of the study in errors.  Aliases are refused: a few lines of them can stand for any
+    amount of data.
     """
     import yaml
     from pydantic import TypeAdapter, ValidationError  # slow to import
 
     if len(text) > LONGEST_YAML:
-        raise BadInputError(f"study: expected at most {LONGEST_YAML:,} characters")
+        raise BadInputError(f"{name}: expected at most {LONGEST_YAML:,} characters")
     try:
         if any(isinstance(each, yaml.AliasEvent) for each in yaml.parse(text)):
-            raise BadInputError("study: expected YAML without aliases (*name)")
+            raise BadInputError(f"{name}: expected YAML without aliases (*name)")
         return TypeAdapter(Study).validate_python(yaml.safe_load(text))
     except (yaml.YAMLError, RecursionError) as error:
-        raise BadInputError(f"study: expected YAML, got {' '.join(str(error).split())}") from None
+        raise BadInputError(f"{name}: expected YAML, got {' '.join(str(error).split())}") from None
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"])) or "study"
-        raise BadInputError(f"study: {place}: {first['msg']}") from None
+        place = "".join(f"{part}: " for part in first["loc"])
+        raise BadInputError(f"{name}: {place}{first['msg']}") from None
 
 
 def to_text(study: Study) -> str:

@@ -53,7 +53,7 @@ class Studies:
     def get(self, study: str) -> StudyInfo:
         """Return a study; raises NotFoundError, BadInputError for an invalid file."""
         text = self._files.text(study)
-        found = parse(text)
+        found = parse(text, study)
         sessions = self._store.studies.all(study)
         done = sum(1 for each in sessions if each.step >= len(plan(found, each.conditions)) - 1)
         return StudyInfo(study, found, text, len(sessions), done)
