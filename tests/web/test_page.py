@@ -89,3 +89,14 @@ def test_the_check_of_a_headset_is_the_page_at_an_address_of_its_own(
     assert answer.status_code == 303
     assert answer.headers["location"] == "/check-headset?sequence=wall"
     assert "set-cookie" in answer.headers
+
+
+def test_the_page_of_a_participant_finds_its_files_in_the_folder_above(
+    anyone: httpx.Client, built: Path
+) -> None:
+    (built.parents[1] / "index.html").write_text('<script src="./assets/main-1a2b.js"></script>')
+    answer = anyone.get("/study/some-code")
+    assert answer.headers["cache-control"] == "no-cache"
+    assert "content-security-policy" in answer.headers
+    assert answer.text == '<script src="../assets/main-1a2b.js"></script>'
+    assert anyone.get("/study/../assets/main-1a2b.js").content == SCRIPT
