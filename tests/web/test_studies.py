@@ -301,7 +301,7 @@ def test_the_log_and_the_report_are_files(
 
 def test_replay_gives_the_labels_or_the_first_difference(
     people: list[Person], lead: Client, capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch, server: Served,
+    monkeypatch: pytest.MonkeyPatch, server: Served, tmp_path: Path,
 ) -> None:  # fmt: skip
     first = lead.studies["halves"].replay(1)
     assert (first.equal, first.edits, first.difference) == (True, 2 * (3 + 6), "")
@@ -310,8 +310,27 @@ def test_replay_gives_the_labels_or_the_first_difference(
     assert main(["study", "replay", "halves"]) == 1
     out = capsys.readouterr()
     assert "1\tequal\n2\troom, halves: the log has no record of edit " in out.out
-    assert main(["study", "list"]) == 0
-    assert capsys.readouterr().out == "halves\t2/2\tTwo halves\n"
+
+    def run(line: str) -> str:
+        assert main(["study", *line.split()]) == 0, capsys.readouterr().err
+        return capsys.readouterr().out
+
+    assert run("list") == "halves\t2/2\tTwo halves\n"
+    (tmp_path / "mine.yaml").write_text(json.dumps(STUDY))
+    added = run(f"add {tmp_path}/mine.yaml --participants 1")
+    assert added.startswith(f"1\t{server.url}/study/")
+    assert added.endswith("\tdesk, room\n")
+    assert run("participants two-halves") == "1\twaiting\t0/16\t\t\n"
+    run("participants two-halves --participants 2")
+    run("delete two-halves --participant 1")
+    assert [line[0] for line in run("participants two-halves").splitlines()] == ["2", "3"]
+    for name in ("results", "report"):
+        out = tmp_path / f"{name}.{'parquet' if name == 'results' else 'html'}"
+        assert run(f"{name} halves --out {out}") == f"wrote {out}\n"
+        assert out.stat().st_size > 1000
+    run("delete two-halves")
+    assert main(["study", "results", "halves", "--out", "results.xlsx"]) == 1
+    assert "expected a file .csv or .parquet, got 'results.xlsx'" in capsys.readouterr().err
 
 
 def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Served) -> None:
