@@ -18,7 +18,7 @@ import pytest
 
 from pointbrush.cli import main
 from pointbrush.client import Client
-from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError, PointbrushError
 from pointbrush.web.problems import loggable
 from tests.serving import Served, add_sequence, serving, settings_in
 
@@ -382,13 +382,17 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
         lead.studies["halves"].change(text=json.dumps(STUDY))
 
 
-def test_a_study_is_a_value_or_a_text(people: list[Person], lead: Client) -> None:
+def test_a_study_is_a_value_or_a_text(people: list[Person], lead: Client, server: Served) -> None:
     design = lead.studies["halves"].info.study
     again = lead.studies.create(design, id="again")
     assert again.info.study == design
     third = lead.studies.create(text=again.info.text)
     assert (third.id, third.info.study) == ("two-halves", design)
     assert third.change(text=json.dumps(STUDY | {"order": "random"})).study.order == "random"
+    (server.workspace.settings.workspace / "studies" / "two-halves.yaml").write_text("title: 3")
+    with pytest.raises(BadInputError, match=r"two-halves: title: .*string"):
+        lead.studies.all()
+    assert third.change(design).study == design
     for each in (again, third):
         each.delete()
 

@@ -73,7 +73,8 @@ class Studies:
 
     def change(self, study: str, change: NewStudy) -> StudyInfo:
         """Replace a study without participants; raises ConflictError, BadInputError."""
-        if self.get(study).participants:
+        self._files.text(study)
+        if self._store.studies.all(study):
             raise ConflictError("study: expected one without participants, delete them first")
         self._files.write(study, self._checked(change)[1])
         return self.get(study)
