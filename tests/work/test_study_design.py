@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from itertools import pairwise
 
@@ -12,7 +13,12 @@ from scipy import stats
 from pointbrush.values.study import Condition, Study, StudyTask
 from pointbrush.work.studies.design import conditions_of, latin_row
 from pointbrush.work.studies.measures import shares
-from pointbrush.work.studies.statistics import effects, power
+from pointbrush.work.studies.statistics import effects
+from tests.test_docs import ROOT
+
+sys.path.insert(0, str(ROOT / "docs"))
+
+from study_power import power, table
 
 
 def study(count: int, **fields: object) -> Study:
@@ -65,11 +71,12 @@ def test_effects_are_the_published_ones_and_their_intervals_hold_them() -> None:
     assert effects(rows[:13], "m", paired=True, seed=1) == []  # one participant has both
 
 
-def test_power_agrees_with_the_noncentral_t_distribution() -> None:
+def test_the_power_table_agrees_with_the_noncentral_t_distribution() -> None:
     for count, d in ((12, 0.8), (20, 0.5)):
         limit = stats.t.ppf(0.975, count - 1)
         exact = stats.nct.sf(limit, count - 1, d * np.sqrt(count))
         assert power(count, d, paired=True) == pytest.approx(exact, abs=0.025)
+    assert table() in (ROOT / "docs" / "howto" / "study.md").read_text()
 
 
 def test_shares_of_phases_fill_a_task() -> None:

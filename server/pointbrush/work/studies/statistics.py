@@ -1,4 +1,4 @@
-"""Differences between conditions: effect sizes with bootstrap intervals, and power."""
+"""Differences between conditions: effect sizes with bootstrap intervals."""
 
 from __future__ import annotations
 
@@ -94,21 +94,3 @@ def _size(first: F64, second: F64, *, paired: bool) -> tuple[float, float]:
         total = (len(first) - 1) * first.var(ddof=1) + (len(second) - 1) * second.var(ddof=1)
         spread = float(np.sqrt(total / degrees))
     return difference, difference / spread if spread > 0 else np.nan
-
-
-def power(participants: int, d: float, *, paired: bool, seed: int = 1, runs: int = 4_000) -> float:
-    """Return the share of simulated studies in which a two-sided t-test finds an effect of ``d``.
-
-    ``participants``: of the study; in a study between participants half of them in each group.
-    """
-    from scipy import stats  # slow to import
-
-    random = np.random.default_rng(seed)
-    if paired:
-        values = random.normal(d, 1, (runs, participants))
-        p = stats.ttest_1samp(values, 0, axis=1).pvalue
-    else:
-        half = participants // 2
-        groups = random.normal(0, 1, (runs, half)), random.normal(d, 1, (runs, half))
-        p = stats.ttest_ind(*groups, axis=1).pvalue
-    return float(np.mean(p < 1 - COVERAGE))
