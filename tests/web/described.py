@@ -52,6 +52,8 @@ SEMANTIC = (
     "GET /api/v1/sequences/{seq}/agreement",
     "GET /api/v1/sequences/{seq}/frames/{i}/agreement",
     "PUT /api/v1/sequences/{seq}/frames/{i}/review",
+    "POST /api/v1/studies",
+    "PUT /api/v1/studies/{s}",
 )
 """Calls whose input is also checked for sense: an invertible matrix, directions with a length, a
 host or a model that is known."""
