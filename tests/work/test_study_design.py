@@ -58,17 +58,21 @@ def test_effects_are_the_published_ones_and_their_intervals_hold_them() -> None:
         for name, values in (("a", first), ("b", second))
         for n in range(12)
     ]
-    (paired,) = effects(rows, "m", paired=True, seed=1)
+    (paired,) = effects(rows, "m", ("a", "b"), paired=True, seed=1)
     change = second - first
     assert (paired.count, paired.difference) == (12, pytest.approx(change.mean()))
     assert paired.d == pytest.approx(stats.ttest_rel(second, first).statistic / np.sqrt(12))
-    (groups,) = effects(rows, "m", paired=False, seed=1)
+    (groups,) = effects(rows, "m", ("a", "b"), paired=False, seed=1)
     t = stats.ttest_ind(second, first).statistic
     assert (groups.count, groups.d) == (24, pytest.approx(t * np.sqrt(2 / 12)))
     expected = stats.bootstrap((change,), np.mean, method="percentile", rng=5).confidence_interval
     assert paired.interval == pytest.approx([expected.low, expected.high], abs=0.15)
     assert paired.interval[0] < paired.difference < paired.interval[1]
-    assert effects(rows[:13], "m", paired=True, seed=1) == []  # one participant has both
+    (turned,) = effects(rows, "m", ("b", "a"), paired=True, seed=1)
+    assert (turned.first, turned.difference) == ("b", pytest.approx(-change.mean()))
+    assert (
+        effects(rows[:13], "m", ("a", "b"), paired=True, seed=1) == []
+    )  # one participant has both
 
 
 def test_the_power_table_agrees_with_the_noncentral_t_distribution() -> None:

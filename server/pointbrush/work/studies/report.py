@@ -71,6 +71,7 @@ def _curves(study: Study, results: Sequence[tuple[Row, Sequence[Point]]]) -> str
 
 def _means(study: Study, rows: Sequence[Row]) -> str:
     scores = {each.name: f"{each.title or each.name}, 0 to 100" for each in study.questionnaires}
+    names = [each.name for each in study.conditions]
     paired, bars = study.design == "within", ""
     lines: list[tuple[str, ...]] = []
     for measure, title in {**MEASURES, **scores}.items():
@@ -93,7 +94,7 @@ def _means(study: Study, rows: Sequence[Row]) -> str:
                 _with_interval(each.difference, each.interval),
                 _with_interval(each.d, each.d_interval),
             )
-            for each in effects(rows, measure, paired=paired, seed=study.seed)
+            for each in effects(rows, measure, names, paired=paired, seed=study.seed)
         ]
     head = ("measure", "conditions", "n", "difference", "d")
     kind = "of the paired differences." if paired else "with the pooled deviation."

@@ -48,12 +48,13 @@ def by_participant(rows: Sequence[dict[str, Any]], measure: str) -> dict[str, di
 
 
 def effects(
-    rows: Sequence[dict[str, Any]], measure: str, *, paired: bool, seed: int
-) -> list[Effect]:
-    """Return the effects of all pairs of conditions with enough participants."""
+    rows: Sequence[dict[str, Any]], measure: str, conditions: Sequence[str], *, paired: bool,
+    seed: int,
+) -> list[Effect]:  # fmt: skip
+    """Return the effects of all pairs of ``conditions`` with enough participants, in order."""
     means = by_participant(rows, measure)
     found = []
-    for first, second in combinations(means, 2):
+    for first, second in combinations(filter(means.__contains__, conditions), 2):
         if paired:
             both = sorted(means[first].keys() & means[second].keys())
             groups = [np.array([means[name][n] for n in both]) for name in (first, second)]
