@@ -10,12 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.values.kinds import SensorType
+from pointbrush.values.kinds import MOST_SENSORS, SensorType
 
 Float = np.float32 | np.float64
 
-MOST_SENSORS = 64
-"""Most sensors of one recording."""
 FAR = 1024.0
 """Metres; coordinates beyond this need float64: float32 is coarser than 0.1 mm there."""
 _ROWS = 1 << 15
@@ -170,6 +168,18 @@ class PointFrame:
 
     def __len__(self) -> int:
         return len(self.xyz)
+
+    @property
+    def in_camera_axes(self) -> bool:
+        """Whether the points have the axes of a depth camera: x right, y down, z ahead."""
+        if not self.parts:
+            return self.pixel is not None
+        return has_camera_axes(self.sensors[0], self.parts[0].T_frame_sensor)
+
+
+def has_camera_axes(reference: Sensor, T_frame_sensor: NDArray[np.float64]) -> bool:
+    """Return whether frames have the axes of their first sensor, and it is a depth camera."""
+    return reference.type == "depth" and np.array_equal(T_frame_sensor[:3, :3], np.eye(3))
 
 
 def to_frame(

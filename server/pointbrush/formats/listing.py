@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pointbrush.formats.cameras.pictures import PictureSource
 from pointbrush.formats.options import Extras, ReadOptions
 from pointbrush.formats.ros.bag import Topic
+from pointbrush.formats.sensors.joining import JoinedSensor
 from pointbrush.formats.times.timing import CAMERA_FPS
 from pointbrush.frame import PointFrame
 
@@ -41,7 +42,8 @@ class Listing:
     ``order`` and ``rate_from`` describe the sources of the order and of ``fps``; ``assumed_fps`` is
     used if ``fps`` is unknown.  ``poses_from``: the file of poses; ``topics``: topics of a bag;
     ``pictures``: camera pictures by frame.  ``dataset``: dataset that defines the numbers of labels
-    beside the points, "" if it is unknown; ``depth`` describes depth images.
+    beside the points, "" if it is unknown; ``depth`` describes depth images.  ``sensors``: the
+    sensors of joined frames, the reference first; its files are the files of the frames.
     """
 
     format: str
@@ -58,3 +60,4 @@ class Listing:
     pictures: PictureSource | None = None
     dataset: str = ""
     depth: DepthFacts | None = None
+    sensors: tuple[JoinedSensor, ...] = ()

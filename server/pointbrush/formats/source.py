@@ -17,11 +17,12 @@ from pathlib import Path
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.archive import ENDINGS, is_archive, unpack
 from pointbrush.formats.cameras.pictures import PictureSource, joined
-from pointbrush.formats.folder import frames_among, list_files, list_folder
+from pointbrush.formats.folder import frames_among, list_files
 from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import INNER, FrameFile, Listing
 from pointbrush.formats.options import ColorRange, Limits, ReadOptions, UndecidedColorsError
 from pointbrush.formats.registry import format_named
+from pointbrush.formats.sensors.sources import list_named, list_recording
 from pointbrush.formats.tables.class_maps import ClassNumbers
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.formats.times.matching import Origin
@@ -147,7 +148,9 @@ def open_source(
     fps = listings[0].fps if len(listings) == 1 else None
     fps = fps or (rate_of(times) if count == len(times) else None)
     origins: list[Origin] = []
-    frames = map(chosen.applied, _frames(listings, options, origins))
+    frames = _frames(listings, options, origins)
+    if not any(listing.sensors for listing in listings):
+        frames = map(chosen.applied, frames)
     name, scale = source_name(paths), chosen.scale
     return Source(frames, count, fps, name, listings, scale, classes.names, origins, temporary)
 
@@ -216,6 +219,9 @@ def _expand(paths: Sequence[Path]) -> list[Path]:
 def _listings(
     paths: list[Path], format: str | None, options: ReadOptions, temporary: list[Path]
 ) -> list[Listing]:
+    named = list_named(format, options)
+    if named is not None:
+        return [named]
     plain = [path for path in paths if path.is_file() and not is_archive(path)]
     if len(plain) == len(paths):
         plain = frames_among(plain, options) or plain
@@ -225,9 +231,9 @@ def _listings(
         if is_archive(path):
             folder = unpack(path, options.limits)
             temporary.append(folder.parent)
-            listings.append(list_folder(folder, format, options))
+            listings.append(list_recording(folder, format, options))
         elif path.is_dir():
-            listings.append(list_folder(path, format, options))
+            listings.append(list_recording(path, format, options))
         else:
             listings.append(list_files([path], format, path.parent, options))
     formats = sorted({listing.format for listing in listings})

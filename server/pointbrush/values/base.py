@@ -102,6 +102,10 @@ class Meanings:
         return {**handler(core), "description": self.text}
 
 
+class Repeated:
+    """The flag of a field can be given several times; its values are a list."""
+
+
 class Value:
     """Base of values.  The docstring below a field describes it in OpenAPI and the references."""
 

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
-from pointbrush.values.base import Body, Meanings, Rule, Value, integral
-from pointbrush.values.kinds import Name, SequenceName, Uuid
+from pointbrush.values.base import Body, Meanings, Repeated, Rule, Value, integral
+from pointbrush.values.kinds import MOST_SENSORS, Name, SensorType, SequenceName, Uuid
 from pointbrush.values.recordings import Rate
 
 MOST_COLUMNS = 1024
 LARGEST_SCALE = 1e6
+LISTS = ("columns", "sensor", "clock_offset")
+"""Options that may also be one text with commas."""
 ColumnName = Annotated[str, Rule(min_length=1, max_length=200)]
 ImportedBoxes = Annotated[
     Literal["both", "keep", "points"],
@@ -24,6 +26,12 @@ ImportedBoxes = Annotated[
     ),
 ]
 Text = Annotated[str, Rule(min_length=1, max_length=4096, pattern=r"^[^\x00]+$")]
+
+
+Sensors = Annotated[
+    Literal["one", "all"],
+    Meanings({"one": "the main sensor", "all": "all sensors, as one recording"}),
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +56,18 @@ class ImportOptions(Body):
     """Metres per unit of the files and their poses: 0.001 for millimetres; null: 1."""
     up: Annotated[str, Rule(pattern=r"^\+?(x|y|z|-x|-y|-z)$")] | None = None
     """Axis of the coordinates that points up, such as ``z`` or ``-y`` (``--up=-y``)."""
-    topic: Annotated[str, Rule(min_length=1, max_length=1000)] | None = None
-    """Topic of a bag to read; ``topic#frame_id`` if sensors share a topic."""
+    topic: Annotated[str, Rule(min_length=1, max_length=1000), Repeated] | None = None
+    """Topic of a bag to read; ``topic#frame_id`` if sensors share a topic; several, also as one
+    text with commas: the topics of the sensors of one recording, the reference first."""
+    sensors: Sensors = "one"
+    """Sensors of a bag or a dataset to read."""
+    sensor: Annotated[tuple[Text, ...], Rule(max_length=MOST_SENSORS), Repeated] | None = None
+    """Sensors of one recording, each ``NAME=PATH``, the reference first; paths are within the
+    imported path, if there is one."""
+    extrinsics: Text | None = None
+    """File in JSON with the mount ``T_frame_sensor`` of each sensor by name, 16 numbers by rows."""
+    clock_offset: Annotated[tuple[Text, ...], Rule(max_length=MOST_SENSORS), Repeated] | None = None
+    """Seconds to add to the times of a sensor: ``NAME=SECONDS``."""
     poses: Text | None = None
     """``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame."""
     by_order: bool = False
@@ -63,9 +81,12 @@ class ImportOptions(Body):
 
     @classmethod
     def prepared(cls, value: Any) -> Any:
-        """Also accept ``columns`` as one text with commas."""
-        if isinstance(value, dict) and isinstance(value.get("columns"), str):
-            value = {**value, "columns": [part.strip() for part in value["columns"].split(",")]}
+        """Also accept lists as one text with commas, and several topics as a list."""
+        if isinstance(value, dict):
+            texts = {name: text for name in LISTS if isinstance(text := value.get(name), str)}
+            value = value | {n: [part.strip() for part in t.split(",")] for n, t in texts.items()}
+            if isinstance(topics := value.get("topic"), list):
+                value["topic"] = ",".join(map(str, topics))
         return integral(value)
 
 
@@ -74,7 +95,7 @@ class ImportRequest(ImportOptions):
     """Files to import that the server can already read."""
 
     path: Text | None = None
-    """Path on the server, below one of its allowed folders; or ``upload``."""
+    """Path on the server, below one of its allowed folders; or ``upload``, or only ``sensor``."""
     upload: Annotated[str, Rule(pattern="^[0-9a-f]{32}$")] | None = None
     """Id of files that were uploaded for a preview; or ``path``."""
 
@@ -190,6 +211,22 @@ class PreviewedTopic(Value):
 
 
 @dataclass(frozen=True, slots=True)
+class PreviewedSensor(Value):
+    """One of several sensors of a recording, and the joining of its frames by time."""
+
+    name: str
+    """Name of the sensor."""
+    type: SensorType
+    """Type of the sensor."""
+    joined: int
+    """Number of its frames that are joined with frames of the reference."""
+    left_out: int
+    """Number of its other frames."""
+    apart: float | None
+    """Median seconds between frames that are joined; null: they are joined in their order."""
+
+
+@dataclass(frozen=True, slots=True)
 class PreviewedPoses(Value):
     """Poses of the frames."""
 
@@ -239,6 +276,8 @@ class Preview(Value):
     """Topics of a bag."""
     cameras: tuple[dict[str, Any], ...]
     """``name`` of each camera with pictures."""
+    sensors: tuple[PreviewedSensor, ...]
+    """Sensors of a recording of several, the reference first."""
     poses: PreviewedPoses | None
     """Poses of the frames; null: none."""
     units: UnitGuess

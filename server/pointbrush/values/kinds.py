@@ -43,6 +43,9 @@ Side = Annotated[float, Rule(gt=0, le=LONGEST_SIDE, allow_inf_nan=False)]
 Sides = Annotated[tuple[Side, Side, Side], Items()]
 """Length, width and height of a box, metres."""
 
+MOST_SENSORS = 64
+"""Most sensors of one recording."""
+
 SensorType = Annotated[
     Literal["depth", "spinning", "solid-state", "radar", "unknown"],
     Meanings(

@@ -15,6 +15,8 @@ from pointbrush.formats.tables.parsing import parse_json
 log = logging.getLogger(__name__)
 CAMERA_FILES = (
     *("camera.json", "intrinsics.json", "calibration.json", "camera_intrinsics.json"),
+    # Written by Open3D's reader of Azure Kinect recordings, and its recorder of RealSense cameras.
+    *("intrinsic.json", "camera_intrinsic.json"),
     *("camera.txt", "intrinsics.txt", "calibration.txt", "calib.txt", "camera-intrinsics.txt"),
     *("intrinsic_depth.txt", "intrinsic/intrinsic_depth.txt"),
 )

@@ -148,6 +148,22 @@ def joined(
     return PictureSource(found[0].cameras, read)
 
 
+def moved(source: PictureSource | None, T_frame_new: Matrix) -> PictureSource | None:
+    """Return the pictures for frames whose points are moved to new coordinates."""
+    if source is None or np.array_equal(T_frame_new, np.eye(4)):
+        return source
+    cameras = {
+        each.name: each
+        if each.T_camera_frame is None
+        else replace(each, T_camera_frame=each.T_camera_frame @ T_frame_new)
+        for each in source.cameras
+    }
+    return PictureSource(
+        tuple(cameras.values()),
+        lambda: (replace(p, camera=cameras[p.camera.name]) for p in source.pictures()),
+    )
+
+
 def _scaled(camera: Camera, scale: float) -> Camera:
     if camera.T_camera_frame is None:
         return camera

@@ -16,6 +16,7 @@ from pointbrush.formats.options import Limits, ReadOptions, require_count
 from pointbrush.formats.tables.columns import frame_from_columns
 
 POSES = "city_SE3_egovehicle.feather"
+MOUNTS = "calibration/egovehicle_SE3_sensor.feather"
 STAMP = "timestamp_ns"
 PLACE = ("tx_m", "ty_m", "tz_m", "qx", "qy", "qz", "qw")
 

@@ -156,8 +156,12 @@ def _of(record: Record, key: str, by_token: dict[str, dict[str, Record]]) -> Rec
 def world_from_sensor(record: Record, by_token: dict[str, dict[str, Record]]) -> Pose:
     """Compute ``T_world_sensor`` (4, 4) of sample data.  Raises BadInputError."""
     ego = rigid(_of(record, "ego_pose_token", by_token), "ego_pose.json")
-    sensor = rigid(_of(record, "calibrated_sensor_token", by_token), "calibrated_sensor.json")
-    return np.asarray(ego @ sensor)
+    return np.asarray(ego @ calibrated(record, by_token))
+
+
+def calibrated(record: Record, by_token: dict[str, dict[str, Record]]) -> Pose:
+    """Return ``T_ego_sensor`` (4, 4), the mount of the sensor of sample data."""
+    return rigid(_of(record, "calibrated_sensor_token", by_token), "calibrated_sensor.json")
 
 
 def rigid(record: Record, where: str) -> Pose:

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import AXES, DELIMITERS, POSES
-from pointbrush.values.imports import LARGEST_SCALE, MOST_COLUMNS
+from pointbrush.values.imports import LARGEST_SCALE, LISTS, MOST_COLUMNS
 
 if TYPE_CHECKING:
     from pointbrush.frame import PointFrame
@@ -34,6 +34,10 @@ class Corrections:
     scale: float = 1.0
     up: str | None = None
     topic: str | None = None
+    sensors: Literal["one", "all"] = "one"
+    sensor: tuple[str, ...] = ()
+    extrinsics: str | None = None
+    clock_offset: tuple[str, ...] = ()
     poses: str = "auto"
     by_order: bool = False
     drop_invalid: bool = False
@@ -61,6 +65,8 @@ class Corrections:
                 f"scale: expected metres per unit, above 0 and up to {LARGEST_SCALE:g}, got "
                 f"{self.scale}"
             )
+        if self.sensors not in ("one", "all"):
+            raise BadInputError(f"sensors: expected one or all, got {self.sensors[:20]!r}")
         if self.up is not None and self.up not in AXES:
             raise BadInputError(f"up: expected one of {', '.join(AXES)}, got {self.up[:20]!r}")
 
@@ -69,6 +75,11 @@ class Corrections:
         """The character between values of a text, None for runs of spaces or without a choice."""
         separator = DELIMITERS.get(self.delimiter or "", self.delimiter)
         return None if separator == " " else separator
+
+    @property
+    def topics(self) -> list[str]:
+        """The topics that the user named."""
+        return [topic.strip() for topic in (self.topic or "").split(",") if topic.strip()]
 
     @property
     def poses_file(self) -> Path | None:
@@ -93,15 +104,17 @@ class Corrections:
 
 
 def parse_corrections(given: Mapping[str, Any]) -> Corrections:
-    """Corrections from options, of which ``columns`` may be one text with commas.
+    """Corrections from options, of which lists may be one text with commas.
 
     Raises BadInputError.
     """
     values = {name: value for name, value in given.items() if value not in (None, "")}
-    columns = values.get("columns", ())
-    if isinstance(columns, str):
-        columns = columns.split(",")
-    values["columns"] = tuple(str(part).strip() for part in columns)
+    for name in LISTS:
+        parts = values.get(name, ())
+        parts = parts.split(",") if isinstance(parts, str) else parts
+        values[name] = tuple(str(part).strip() for part in parts)
+    if isinstance(values.get("topic"), list | tuple):
+        values["topic"] = ",".join(values["topic"])
     if isinstance(values.get("up"), str):
         values["up"] = values["up"].lower().removeprefix("+")
     return Corrections(**values)

@@ -9,15 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
+from pointbrush.geometry.mounts import rigid_mount
 from pointbrush.sequences.depth.lattice import Lattice, lattice_of
 from pointbrush.values.kinds import SensorType
 
 Matrix = list[float]
 """Row-major 4x4."""
 IDENTITY: Matrix = np.eye(4).ravel().tolist()
-_RIGID_ERROR = 1e-4
-"""Greatest difference of products of a rotation's rows from those of a rotation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +76,4 @@ def sensor_of(content: dict[str, Any]) -> StoredSensor:
 
 def require_rigid(name: str, matrix: Any) -> Matrix:
     """Return a row-major 4x4 of a rigid transform; raises BadInputError for another matrix."""
-    try:
-        T = np.asarray(matrix, np.float64).reshape(4, 4)
-    except (TypeError, ValueError):
-        raise BadInputError(f"{name}: expected 16 numbers of a 4x4 matrix") from None
-    R = T[:3, :3]
-    if not np.isfinite(T).all() or (T[3] != (0, 0, 0, 1)).any():
-        raise BadInputError(f"{name}: expected a finite matrix with the last row 0 0 0 1")
-    if np.abs(R @ R.T - np.eye(3)).max() > _RIGID_ERROR or np.linalg.det(R) < 0:
-        raise BadInputError(f"{name}: expected a rotation and a translation, got another matrix")
-    return [float(value) for value in T.ravel()]
+    return [float(value) for value in rigid_mount(name, matrix).ravel()]

@@ -1,0 +1,230 @@
+"""A recording of several sensors, from the recording of each."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pointbrush.errors import BadInputError
+from pointbrush.formats.cameras.pictures import moved
+from pointbrush.formats.listing import FrameFile, Listing
+from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.sensors.extrinsics import Extrinsics
+from pointbrush.formats.sensors.joining import JoinedSensor, half_period, joined_frames
+from pointbrush.formats.times.timing import SPINNING_FORMATS
+from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
+from pointbrush.geometry.mounts import Matrix
+from pointbrush.values.kinds import MOST_SENSORS, SensorType
+
+log = logging.getLogger(__name__)
+Row = tuple[int | None, ...]
+"""The frame of each sensor that is in a joined frame, or None."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stream:
+    """The frames of one sensor, with its mount, type and clock.
+
+    ``world``: ``T_world_sensor`` at each of its frames, in a world that all sensors share; the
+    mounts of a joined frame then include the motion between the times of its sensors.
+    """
+
+    name: str
+    listing: Listing
+    known: Extrinsics
+    world: Sequence[Matrix] | None = None
+
+    @property
+    def mount(self) -> Matrix:
+        """The mount; raises BadInputError if it is unknown."""
+        if self.known.T_frame_sensor is None:
+            raise BadInputError(
+                f"{self.name}: expected the mount of the sensor, got none; name a file with "
+                "T_frame_sensor (--extrinsics)"
+            )
+        return self.known.T_frame_sensor
+
+    @property
+    def sensor(self) -> Sensor:
+        """The sensor, with the type that is usual for its files if it is not stated."""
+        format = self.listing.format
+        usual: SensorType = "spinning" if format in SPINNING_FORMATS else "unknown"
+        return Sensor(self.name, self.known.type or ("depth" if format == "rgbd" else usual))
+
+    @property
+    def times(self) -> list[float] | None:
+        """Times of its frames on the clock of the reference sensor, seconds."""
+        own = self.listing.times
+        return None if own is None else [time + self.known.offset for time in own]
+
+
+def join_streams(streams: Sequence[Stream], options: ReadOptions) -> Listing:
+    """List the joined frames of several sensors: the frames of the first one, the reference.
+
+    Warnings count the frames that join nothing.  Raises BadInputError for equal names, a sensor
+    without a mount, sensors that cannot be joined, and one of which no frame joins.
+    """
+    names = [stream.name for stream in streams]
+    if len(set(names)) < len(names) or len(names) > MOST_SENSORS:
+        raise BadInputError(
+            f"sensors: expected up to {MOST_SENSORS} different names, got {', '.join(names)[:200]}"
+        )
+    for stream in streams:
+        _ = stream.mount
+    first = streams[0].listing
+    found = [_joined(streams[0], each, options) for each in streams]
+    rows: list[Row] = list(zip(*(numbers for _, numbers in found), strict=True))
+    read = partial(_read, tuple(streams))
+    if all(_is_one_each(stream.listing) for stream in streams):
+        files = [
+            FrameFile(file.name, partial(read, [row]))
+            for file, row in zip(first.frames, rows, strict=True)
+        ]
+    else:
+        files = [FrameFile(first.frames[0].name, partial(read, rows))]
+    return replace(
+        first,
+        frames=files,
+        pictures=moved(first.pictures, _reference_from_frame(streams[0], options.chosen.scale)),
+        depth=None,
+        sensors=tuple(joined for joined, _ in found),
+    )
+
+
+def _reference_from_frame(reference: Stream, scale: float) -> Matrix:
+    """Return ``T_reference_frame`` in units of the files, of ``scale`` metres each."""
+    T_reference_frame = np.asarray(np.linalg.inv(reference.mount), np.float64)
+    T_reference_frame[:3, 3] /= scale
+    return T_reference_frame
+
+
+def _is_one_each(listing: Listing) -> bool:
+    """Return whether each file is a frame."""
+    return len(listing.frames) == listing.count
+
+
+def _joined(
+    reference: Stream, stream: Stream, options: ReadOptions
+) -> tuple[JoinedSensor, list[int | None]]:
+    """Find the frame of a sensor for each frame of the reference sensor."""
+    count, own = reference.listing.count, stream.listing.count
+    if count is None or own is None:
+        raise BadInputError(
+            f"{stream.name}: expected files with a known number of frames, got "
+            f"{stream.listing.format} files; convert each frame to a file"
+        )
+    if stream is reference:
+        return JoinedSensor(stream.sensor, count, 0, 0.0), list(range(count))
+    at, times = reference.times, stream.times
+    if options.chosen.by_order or (at is None and times is None):
+        if count != own:
+            raise BadInputError(
+                f"{stream.name}: expected {count} frames, as {reference.name} has, or times of "
+                f"the frames of both (timestamps.txt), got {own} frames"
+            )
+        return JoinedSensor(stream.sensor, own, 0), list(range(own))
+    for each, known in ((reference, at), (stream, times)):
+        if known is None or (np.diff(known) < 0).any():
+            raise BadInputError(
+                f"{each.name}: expected increasing times of its frames (timestamps.txt), got "
+                f"{'none' if known is None else 'others'}; by_order joins frames in their order"
+            )
+    return _by_time(reference, stream, at or [], times or [])
+
+
+def _by_time(
+    reference: Stream, stream: Stream, at: list[float], times: list[float]
+) -> tuple[JoinedSensor, list[int | None]]:
+    found = joined_frames(at, times)
+    apart = [abs(times[k] - at[i]) for i, k in enumerate(found) if k is not None]
+    if not apart:
+        raise BadInputError(
+            f"{stream.name}: expected frames at the times of {reference.name}, "
+            f"{at[0]:.3f} to {at[-1]:.3f} s, got {times[0]:.3f} to {times[-1]:.3f} s; if both "
+            f"began together, its clock offset is {at[0] - times[0]:.3f} s "
+            f"(--clock-offset {stream.name}={at[0] - times[0]:.3f})"
+        )
+    alone, without = len(times) - len(apart), len(at) - len(apart)
+    if alone:
+        log.warning(
+            "%s: %d of %d frames are left out: no frame of %s that has none yet is within half a "
+            "period, %.4g s",
+            stream.name, alone, len(times), reference.name,
+            half_period(np.array(at), np.array(times)),
+        )  # fmt: skip
+    if without:
+        log.warning("%d of %d frames have no points of %s", without, len(at), stream.name)
+    return JoinedSensor(stream.sensor, len(apart), alone, float(np.median(apart))), found
+
+
+def _read(
+    streams: tuple[Stream, ...], rows: Sequence[Row], options: ReadOptions
+) -> Iterator[PointFrame]:
+    """Yield the joined frames of ``rows``."""
+    sensors = tuple(stream.sensor for stream in streams)
+    frames = [
+        _frames(stream.listing, [row[k] for row in rows], options)
+        for k, stream in enumerate(streams)
+    ]
+    for row in rows:
+        given = {k: next(frames[k]) for k, number in enumerate(row) if number is not None}
+        parts = [(_part(streams, row, k, frame), frame) for k, frame in given.items()]
+        (first, reference), *_ = parts
+        pose = reference.pose
+        joined = join_sensors(
+            sensors,
+            parts,
+            pose=None if pose is None else pose @ np.linalg.inv(first.T_frame_sensor),
+            timestamp=first.timestamp,
+        )
+        yield replace(joined, rows=_rows(list(given.values())))
+
+
+def _part(streams: Sequence[Stream], row: Row, number: int, frame: PointFrame) -> FramePart:
+    """Return a sensor's part of a joined frame, at its time on the clock of the recording."""
+    offset, time = streams[number].known.offset, frame.timestamp
+    time = time + offset if offset and time is not None else time
+    return FramePart(number, _mount(streams, row, number), time)
+
+
+def _rows(frames: Sequence[PointFrame]) -> NDArray[np.int64] | None:
+    """Number the rows of all sources one after the other; None if all of them became points."""
+    if all(frame.rows is None for frame in frames):
+        return None
+    found, first = [], 0
+    for frame in frames:
+        found.append(first + (np.arange(len(frame)) if frame.rows is None else frame.rows))
+        first += len(frame) + frame.dropped
+    return np.concatenate(found).astype(np.int64)
+
+
+def _mount(streams: Sequence[Stream], row: Row, number: int) -> Matrix:
+    """Return ``T_frame_sensor`` of a sensor in a joined frame."""
+    first, stream = streams[0], streams[number]
+    at, own = row[0], row[number]
+    if not number or first.world is None or stream.world is None or at is None or own is None:
+        return stream.mount
+    T_reference_sensor = np.linalg.inv(first.world[at]) @ stream.world[own]
+    return np.asarray(first.mount @ T_reference_sensor)
+
+
+def _frames(
+    listing: Listing, wanted: Sequence[int | None], options: ReadOptions
+) -> Iterator[PointFrame]:
+    """Yield the frames of the numbers ``wanted``, which increase; None for no frame."""
+    numbers = [number for number in wanted if number is not None]
+    files = listing.frames
+    if _is_one_each(listing):
+        files, numbers = [files[number] for number in numbers], list(range(len(numbers)))
+    each = (f for file in files for f in file.read(replace(options, known=file.known)))
+    done = 0
+    for number in numbers:
+        for frame in islice(each, number - done, number - done + 1):
+            yield options.chosen.applied(frame)
+        done = number + 1
