@@ -169,8 +169,8 @@ class Server(Part[L]):
         """Upload files and folders of this machine, import them as one recording, and wait.
 
         ``server_path`` imports a path on the server instead of ``files``.  ``options``: fields of
-        ``ImportOptions``.  ``progress`` shows a bar.  ``patience``: seconds for which the server
-        may be away.
+        ``ImportOptions``; paths in them are of uploaded files.  ``progress`` shows a bar.
+        ``patience``: seconds for which the server may be away.
         """
         return self._imported(files, server_path, options, progress, patience)
 

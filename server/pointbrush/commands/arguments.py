@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from types import UnionType
@@ -12,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeAlias, Union, get_args, get_orig
 from pointbrush.commands.answers import Answer
 from pointbrush.errors import BadInputError
 from pointbrush.settings.definitions import UNBOUNDED
-from pointbrush.values.base import Meanings, Value, default_of, descriptions
+from pointbrush.values.base import Meanings, Repeated, Value, default_of, descriptions
 
 Run: TypeAlias = Callable[[argparse.Namespace, Any], Answer | None]
 """Runs a command with its given arguments at a place, see ``places.Place``."""
@@ -74,7 +75,9 @@ def flags_of(kind: type[Value], *names: str) -> Iterator[Argument]:
         options: dict[str, Any] = {"default": default_of(each)}
         if options["default"]:
             text += f" (default: {options['default']})"
-        if bool in types:
+        if Repeated in types:
+            options |= {"action": "append", "default": None}
+        elif bool in types:
             optional = type(None) in types
             options["action"] = argparse.BooleanOptionalAction if optional else "store_true"
         elif float in types:
@@ -91,6 +94,12 @@ def _parts_of(hint: Any) -> Iterator[Any]:
             yield from _parts_of(each)
     else:
         yield hint
+
+
+def usage_error(command: str, text: str) -> SystemExit:
+    """Print the error of arguments that the parser accepts, and return the exit to raise."""
+    print(f"pointbrush {command}: error: {text}", file=sys.stderr)
+    return SystemExit(2)
 
 
 def listed(text: str) -> list[str]:

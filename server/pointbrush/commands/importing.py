@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from pointbrush.commands.answers import Answer, confirmed, merge_answers
-from pointbrush.commands.arguments import SEQUENCE, argument, flags_of, switch, verb
+from pointbrush.commands.arguments import (
+    SEQUENCE,
+    argument,
+    flags_of,
+    switch,
+    usage_error,
+    verb,
+)
 from pointbrush.commands.places import Place, finished
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.names import LABEL_FORMATS
@@ -20,7 +27,7 @@ IMPORT_FLAGS = tuple(each.name for each in fields(ImportOptions) if each.name !=
 
 
 @verb(
-    argument("paths", "files, folders, globs or archives", nargs="+", type=Path, metavar="PATH"),
+    argument("paths", "files, folders, globs or archives", nargs="*", type=Path, metavar="PATH"),
     switch("--each", "import each file and folder in PATH as a recording of its own"),
     *flags_of(ImportOptions, *IMPORT_FLAGS),
     switch("--dry-run", "print the import's result without importing"),
@@ -29,6 +36,9 @@ def import_(given: argparse.Namespace, place: Place) -> Answer:
     """Import files as one recording."""
     options = {name: getattr(given, name) for name in IMPORT_FLAGS}
     recordings = _recordings(given)
+    if given.sensor or given.extrinsics:
+        recordings, changed = _with_sensors(given, recordings, place)
+        options |= changed
     if given.dry_run:
         return merge_answers(
             _previewed(asdict(place.preview(paths, **options))) for paths in recordings
@@ -39,6 +49,8 @@ def import_(given: argparse.Namespace, place: Place) -> Answer:
 
 def _recordings(given: argparse.Namespace) -> list[list[Path]]:
     """Return the paths of each recording of an import; raises BadInputError."""
+    if not given.paths and not given.sensor:
+        raise usage_error("import", "expected PATH, or --sensor NAME=PATH for each sensor")
     if not given.each:
         return [given.paths]
     from pointbrush.work.imports.requests import recordings_in  # slow to load
@@ -48,6 +60,41 @@ def _recordings(given: argparse.Namespace) -> list[list[Path]]:
             "--name: expected none with --each, which names recordings after their files"
         )
     return [[path] for folder in given.paths for path in recordings_in(folder)]
+
+
+def _with_sensors(
+    given: argparse.Namespace, recordings: list[list[Path]], place: Place
+) -> tuple[list[list[Path]], dict[str, Any]]:
+    """Return the paths of recordings of several sensors, and the options that name them.
+
+    The paths of sensors are within PATH, if there is one.  A server gets all of them as an upload.
+    """
+    from pointbrush.commands.local import LocalClient
+    from pointbrush.formats.sensors.extrinsics import pairs_of
+
+    if given.each and given.sensor:
+        raise usage_error("import", "expected no --sensor with --each")
+    base = given.paths[0] if given.paths else Path()
+    places = {name: base / path for name, path in pairs_of("--sensor", given.sensor or ()).items()}
+    if places and not given.paths:
+        recordings = [list(places.values())]
+    if isinstance(place, LocalClient):
+        named = {name: path.absolute() for name, path in places.items()}
+        file = None if given.extrinsics is None else str(Path(given.extrinsics).absolute())
+    else:
+        named = {n: p.relative_to(base) if given.paths else Path(p.name) for n, p in places.items()}
+        file = None if given.extrinsics is None else Path(given.extrinsics).name
+        beside = [] if given.extrinsics is None else [Path(given.extrinsics)]
+        recordings = [[*paths, *beside] for paths in recordings]
+    sensor = [f"{name}={path.as_posix()}" for name, path in named.items()] or None
+    return recordings, {"sensor": sensor, "extrinsics": file}
+
+
+def _sensor(sensor: Mapping[str, Any]) -> str:
+    """Describe a sensor of a previewed recording."""
+    apart = "" if not sensor["apart"] else f", {1000 * sensor['apart']:.1f} ms apart"
+    left_out = f", {sensor['left_out']} left out" if sensor["left_out"] else ""
+    return f"{sensor['name']} ({sensor['type']}): {sensor['joined']} frames{apart}{left_out}"
 
 
 def _previewed(found: Mapping[str, Any]) -> Answer:
@@ -80,6 +127,7 @@ def _previewed(found: Mapping[str, Any]) -> Answer:
             for topic in found["topics"]
         ),
         "cameras": ", ".join(map(_camera, found["cameras"])),
+        "sensors": "; ".join(map(_sensor, found["sensors"])),
         "poses": found["poses"]["source"] if found["poses"] else "none",
         "units": f"{found['units']['name']}, {wide}",
         "up": _up(found),
@@ -112,6 +160,10 @@ def imported(result: Mapping[str, Any]) -> Answer:
     frames = "1 frame" if result["frames"] == 1 else f"{result['frames']} frames"
     points = "1 point" if result["points"] == 1 else f"{result['points']:,} points"
     lines = [f"imported {result['sequence']}: {frames}, {points}{dropped}"]
+    lines += [
+        f"sensor {each['name']} ({each['type']}): {each['frames']} frames"
+        for each in result.get("sensors", ())
+    ]
     lines += [f"up is {_up(result)}"] if result.get("up_from") == "guessed" else []
     return Answer(result, lines, _warnings(result))
 

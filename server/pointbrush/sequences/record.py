@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.frame import FramePart, PointFrame, Sensor, frame_of_part
+from pointbrush.frame import FramePart, PointFrame, Sensor, frame_of_part, has_camera_axes
 from pointbrush.sequences.columns import POINT_FIELDS
 from pointbrush.sequences.depth.lattice import DEPTH_FORMAT, GRID_CELLS, GRID_ROUNDING
 from pointbrush.sequences.octree.coordinates import Coordinates
@@ -172,7 +172,7 @@ def make_manifest(records: list[Record], grid: Grid, info: RecordingInfo) -> Man
     for record in records:
         viewpoint = None if record.viewpoint is None else np.array(record.viewpoint)
         finder.add(record.prefix, viewpoint)
-    room = finder.room(camera="pixel" in present).ravel().tolist()
+    room = finder.room(camera=_in_camera_axes(records, present)).ravel().tolist()
     return Manifest(
         id=info.id,
         name=info.name,
@@ -207,6 +207,14 @@ def make_manifest(records: list[Record], grid: Grid, info: RecordingInfo) -> Man
         project="",
         sensors=[_sensor(number, records, grid) for number in range(len(records[0].sensors))],
     )
+
+
+def _in_camera_axes(records: list[Record], present: set[str]) -> bool:
+    """Return whether frames have the axes of a depth camera, see ``frame.has_camera_axes``."""
+    if not records[0].sensors:
+        return "pixel" in present
+    first = next((record.parts[0].part for record in records if record.parts), None)
+    return first is not None and has_camera_axes(records[0].sensors[0], first.T_frame_sensor)
 
 
 def _sensor(number: int, records: list[Record], grid: Grid) -> StoredSensor:

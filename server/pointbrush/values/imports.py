@@ -303,6 +303,18 @@ class ImportPreview(Preview):
 
 
 @dataclass(frozen=True, slots=True)
+class ImportedSensor(Value):
+    """One of several sensors of an imported recording."""
+
+    name: str
+    """Name of the sensor."""
+    type: SensorType
+    """Type of the sensor."""
+    frames: int
+    """Number of frames with points of it."""
+
+
+@dataclass(frozen=True, slots=True)
 class ImportedRecording(Value):
     """Result of an import of a recording."""
 
@@ -322,6 +334,8 @@ class ImportedRecording(Value):
     """Number of points without a position, which were left out."""
     warnings: tuple[str, ...]
     """Sentences about doubtful content."""
+    sensors: tuple[ImportedSensor, ...] = ()
+    """Sensors of a recording of several."""
 
 
 @dataclass(frozen=True, slots=True)

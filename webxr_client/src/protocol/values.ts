@@ -615,8 +615,16 @@ export interface ImportOptions {
   readonly scale?: number | null;
   /** Axis of the coordinates that points up, such as ``z`` or ``-y`` (``--up=-y``). */
   readonly up?: string | null;
-  /** Topic of a bag to read; ``topic#frame_id`` if sensors share a topic. */
+  /** Topic of a bag to read; ``topic#frame_id`` if sensors share a topic; several, also as one text with commas: the topics of the sensors of one recording, the reference first. */
   readonly topic?: string | null;
+  /** Sensors of a bag or a dataset to read. `one`: the main sensor; `all`: all sensors, as one recording */
+  readonly sensors?: 'one' | 'all';
+  /** Sensors of one recording, each ``NAME=PATH``, the reference first; paths are within the imported path, if there is one. */
+  readonly sensor?: readonly string[] | null;
+  /** File in JSON with the mount ``T_frame_sensor`` of each sensor by name, 16 numbers by rows. */
+  readonly extrinsics?: string | null;
+  /** Seconds to add to the times of a sensor: ``NAME=SECONDS``. */
+  readonly clock_offset?: readonly string[] | null;
   /** ``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame. */
   readonly poses?: string | null;
   /** Match poses with times, and colour images, to frames by their order. */
@@ -655,6 +663,8 @@ export interface ImportPreview {
   readonly topics: readonly PreviewedTopic[];
   /** ``name`` of each camera with pictures. */
   readonly cameras: readonly (Readonly<Record<string, unknown>>)[];
+  /** Sensors of a recording of several, the reference first. */
+  readonly sensors: readonly PreviewedSensor[];
   /** Poses of the frames; null: none. */
   readonly poses: PreviewedPoses | null;
   /** Unit of the coordinates. */
@@ -1025,6 +1035,20 @@ export interface PreviewedPoses {
   readonly source: string;
   /** Frames agree better with them than without; null: not measured. */
   readonly agree: boolean | null;
+}
+
+/** One of several sensors of a recording, and the joining of its frames by time. */
+export interface PreviewedSensor {
+  /** Name of the sensor. */
+  readonly name: string;
+  /** Type of the sensor. `depth`: a depth camera; `spinning`: a lidar that turns; `solid-state`: a lidar without a turning head; `radar`: a radar; `unknown`: the files do not tell */
+  readonly type: 'depth' | 'spinning' | 'solid-state' | 'radar' | 'unknown';
+  /** Number of its frames that are joined with frames of the reference. */
+  readonly joined: number;
+  /** Number of its other frames. */
+  readonly left_out: number;
+  /** Median seconds between frames that are joined; null: they are joined in their order. */
+  readonly apart: number | null;
 }
 
 /** A topic of a bag. */

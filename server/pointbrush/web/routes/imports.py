@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from fastapi import Path as PathParameter
 from fastapi import Request, Response
@@ -16,6 +17,7 @@ from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError
 from pointbrush.formats import format_names
 from pointbrush.formats.inside import allowed
+from pointbrush.formats.sensors.extrinsics import pairs_of
 from pointbrush.formats.tables.corrections import Corrections, parse_corrections
 from pointbrush.formats.tables.names import DELIMITERS, POSES
 from pointbrush.settings.definitions import values_of
@@ -53,7 +55,10 @@ router = resource("imports")
 MAX_FIELD = 64 * 1024
 MAX_FIELDS = 32
 WORDS = ("drop_invalid", "decimal_comma", "by_order")
-TEXTS = {"columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y"}
+TEXTS = {
+    "columns": "x,y,z,-,intensity", "delimiter": "semicolon", "up": "-y", "sensors": "all",
+    "sensor": "left=left,right=right", "extrinsics": "rig.json", "clock_offset": "right=0.01",
+}  # fmt: skip
 """Options of a form without a pattern, with an example."""
 UploadPath = Annotated[str, PathParameter(pattern="^[0-9a-f]{32}$", description="upload id")]
 
@@ -205,10 +210,10 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
     if is_form(request):
         return await _uploaded(request, who.author)
     body = parse_json(JSON_BODY, await request.body())
-    if (body.path is None) == (body.upload is None):
+    none, both = (body.path, body.upload) == (None, None), None not in (body.path, body.upload)
+    if both or (none and not body.sensor):
         raise BadInputError(
-            "path: expected a path or an upload, got "
-            + ("none of them" if body.path is None else "both")
+            f"path: expected a path or an upload, got {'both' if both else 'none of them'}"
         )
     if body.upload is not None:
         kept: KeptUploads = request.app.state.kept_uploads
@@ -216,25 +221,49 @@ async def _wanted(request: Request, workspace: Workspace, who: Caller) -> Wanted
         return Wanted(list(upload.paths), _within(body, upload), upload=upload)
     gate: Gate = request.app.state.gate
     roots = workspace.import_roots(own=gate.is_own(request, who))
-    paths = await run_in_threadpool(allowed, body.path or "", roots)
-    if body.poses not in (None, *POSES):
-        (poses,) = await run_in_threadpool(allowed, body.poses, roots)
-        body = replace(body, poses=str(poses))
-    return Wanted(paths, body, roots)
+    paths = [] if body.path is None else await run_in_threadpool(allowed, body.path, roots)
+    base = next((path if path.is_dir() else path.parent for path in paths), Path())
+
+    def find(option: str, given: str) -> Path:
+        (found,) = allowed(given if option == "poses" else str(base / given), roots)
+        return found
+
+    options = await run_in_threadpool(_with_paths, body, find)
+    named = [Path(pair.partition("=")[2]) for pair in options.sensor or ()]
+    return Wanted(paths or named, options, roots)
 
 
-def _within(options: ImportOptions, upload: Upload) -> ImportOptions:
-    """Return options with the file of poses replaced by its path in the upload."""
-    if options.poses in (None, *POSES):
-        return options
-    path = upload.folder / relative_path(options.poses)
-    inside = [path, *upload.folder.glob(f"*/{relative_path(options.poses)}")]
-    found = next((each for each in inside if each.is_file()), None)
-    if found is None:
-        raise BadInputError(
-            f"poses: expected {', '.join(POSES)} or an uploaded file, got {options.poses[:80]!r}"
+Options = TypeVar("Options", bound=ImportOptions)
+
+
+def _with_paths(options: Options, find: Callable[[str, str], Path]) -> Options:
+    """Return options with each path that they name replaced by the result of ``find``."""
+    changed: dict[str, Any] = {}
+    if options.poses not in (None, *POSES):
+        changed["poses"] = str(find("poses", options.poses))
+    if options.extrinsics is not None:
+        changed["extrinsics"] = str(find("extrinsics", options.extrinsics))
+    if options.sensor:
+        pairs = pairs_of("sensor", options.sensor)
+        changed["sensor"] = tuple(f"{name}={find('sensor', pairs[name])}" for name in pairs)
+    return replace(options, **changed)
+
+
+def _within(options: Options, upload: Upload) -> Options:
+    """Return options with the paths that they name replaced by those in the upload."""
+
+    def find(option: str, given: str) -> Path:
+        place = relative_path(given)
+        inside = [upload.folder / place, *upload.folder.glob(f"*/{place}")]
+        found = next(
+            (p for p in inside if p.is_file() or (option == "sensor" and p.is_dir())), None
         )
-    return replace(options, poses=str(found))
+        if found is None:
+            also = f"{', '.join(POSES)} or " if option == "poses" else ""
+            raise BadInputError(f"{option}: expected {also}an uploaded file, got {given[:80]!r}")
+        return found
+
+    return _with_paths(options, find)
 
 
 async def _uploaded(request: Request, owner: str) -> Wanted:

@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pointbrush import formats
 from pointbrush.errors import BadInputError, TooLargeError
 from pointbrush.formats.options import Limits, ReadOptions
@@ -16,13 +18,20 @@ from pointbrush.formats.readers.las_header import read_header
 from pointbrush.formats.tables.palette import own_labels
 from pointbrush.formats.times.matching import Origin, listed
 from pointbrush.formats.times.timing import ASSUMED
-from pointbrush.frame import PointFrame
+from pointbrush.frame import PointFrame, Sensor, has_camera_axes
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels import LabelStore
-from pointbrush.sequences import LARGE_POINTS, RecordingInfo, Sequence, import_frames, import_large
+from pointbrush.sequences import (
+    LARGE_POINTS,
+    Manifest,
+    RecordingInfo,
+    Sequence,
+    import_frames,
+    import_large,
+)
 from pointbrush.sequences.room import nearest_axis
 from pointbrush.sequences.storage.manifest import note_import, update_manifest
-from pointbrush.values.imports import ImportedRecording
+from pointbrush.values.imports import ImportedRecording, ImportedSensor
 from pointbrush.work.folder_store import FolderTarget
 from pointbrush.work.imports.requests import ImportRequest, SampleRequest
 
@@ -185,7 +194,7 @@ def up_source(given: str | None, *, camera: bool, far: bool) -> str:
 def result(recording: Sequence, warnings: list[str], up: str | None = None) -> dict[str, Any]:
     """Return the report of a finished import job; ``up``: the given axis."""
     manifest = recording.manifest
-    camera, far = "pixel" in manifest.fields, any(manifest.shift)
+    camera, far = _in_camera_axes(manifest), any(manifest.shift)
     made = ImportedRecording(
         up=nearest_axis(manifest.T_found_room_local[1, :3]),
         up_from=up_source(up, camera=camera, far=far),
@@ -195,5 +204,17 @@ def result(recording: Sequence, warnings: list[str], up: str | None = None) -> d
         points=int(sum(manifest.points)),
         dropped=int(sum(manifest.dropped)),
         warnings=tuple(warnings),
+        sensors=tuple(
+            ImportedSensor(each.name, each.type, int(np.count_nonzero(each.points)))
+            for each in manifest.sensors
+        ),
     )
     return asdict(made) | {"warnings": warnings}
+
+
+def _in_camera_axes(manifest: Manifest) -> bool:
+    """Return whether frames have the axes of a depth camera, see ``frame.has_camera_axes``."""
+    if not manifest.sensors:
+        return "pixel" in manifest.fields
+    first = manifest.sensors[0]
+    return has_camera_axes(Sensor(first.name, first.type), first.imported_mount(0))

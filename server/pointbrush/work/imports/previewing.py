@@ -33,6 +33,7 @@ from pointbrush.values.imports import (
     PreviewedColumn,
     PreviewedFrame,
     PreviewedPoses,
+    PreviewedSensor,
     PreviewedTopic,
     UnitGuess,
 )
@@ -112,6 +113,10 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
             columns=tuple(PreviewedColumn(*pair) for pair in columns.items()),
             topics=_topics(listing),
             cameras=tuple(_cameras(listing, source.pictures)),
+            sensors=tuple(
+                PreviewedSensor.of(each, name=each.sensor.name, type=each.sensor.type)
+                for each in listing.sensors
+            ),
             poses=poses,
             units=units,
             up=up,
@@ -147,16 +152,16 @@ def _up(frame: PointFrame, given: str | None) -> tuple[str, str]:
     points = frame.xyz[::step].astype(np.float64)
     viewpoints = np.empty((0, 3)) if frame.viewpoint is None else frame.viewpoint[None]
     far = float(np.abs(points).max()) > FAR
-    camera = frame.pixel is not None
+    camera = frame.in_camera_axes
     kind: Kind = "camera" if camera else "survey" if far else "unknown"
     found = given or nearest_axis(find_floor(points, viewpoints, kind).up)
     return found, up_source(given, camera=camera, far=far)
 
 
 def _topics(listing: Listing) -> tuple[PreviewedTopic, ...]:
-    read = listing.topic.partition(SENSOR)[0]
+    read = {topic.partition(SENSOR)[0] for topic in listing.topic.split(",")}
     return tuple(
-        PreviewedTopic(each.name, each.type, each.count, each.has_clouds, each.name == read)
+        PreviewedTopic(each.name, each.type, each.count, each.has_clouds, each.name in read)
         for each in listing.topics
     )
 

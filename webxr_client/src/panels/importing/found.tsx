@@ -30,6 +30,7 @@ export function Facts({ found }: { found: ImportPreview }) {
     ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
     ['Columns', found.columns.map(described).join(', ')],
     ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
+    ['Sensors', found.sensors.map(sensor).join(', ')],
     ['Cameras', found.cameras.map(camera).join(', ')],
     ['Labels', found.labels ? 'included with the points' : ''],
   ];
@@ -114,6 +115,10 @@ function FactList({ rows }: { rows: readonly Fact[] }) {
 function described({ name, meaning }: ImportPreview['columns'][number]): string {
   if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
   return `${name} (${meaning || 'ignored'})`;
+}
+
+function sensor({ name, joined, left_out: leftOut }: ImportPreview['sensors'][number]): string {
+  return `${name} (${plural(joined, 'frame')}${leftOut > 0 ? `, ${leftOut} left out` : ''})`;
 }
 
 function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): string {
