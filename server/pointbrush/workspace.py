@@ -342,7 +342,7 @@ class Workspace:
         found = self.recording(sequence).manifest.T_found_room_local
         return self.update_sequence(sequence, room=found)
 
-    def export(
+    def export(  # noqa: PLR0913 – the choices of an export, by name
         self,
         sequence: str,
         export_format: str,
@@ -351,19 +351,23 @@ class Workspace:
         val: str | None = None,
         above: float = 0.0,
         snapshot: str | None = None,
+        sensor: str | None = None,
     ) -> None:
         """Export frames ``I:J`` with their labels to a folder or file, or as a zip to a stream.
 
         ``val``: frames for validation, see ``exporting.choose_split``; ``above``: minimum
         confidence of predicted labels, 0 to 1; ``snapshot``: export the labels of this version of
-        the project.  Raises BadInputError for an unknown format or range, DamagedError for a
-        damaged frame.  After an error a Path does not exist; a stream has not started, or continues
+        the project; ``sensor``: only the points of this one of several sensors, in its coordinates.
+        Raises BadInputError for an unknown format, range or sensor, DamagedError for a damaged
+        frame.  After an error a Path does not exist; a stream has not started, or continues
         and names the gap.
         """
         recording = self.recording(sequence)
         if export_format not in formats.EXPORTS:
             known = ", ".join(sorted(formats.EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
+        if sensor is not None:
+            exporting.require_sensor(recording, sensor, export_format)
         split = exporting.choose_split(export_format, val, recording, self.library.listed_ids)
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
@@ -379,6 +383,8 @@ class Workspace:
             from pointbrush.work.masks.exporting import masked_frames  # imports readers
 
             labeled = masked_frames(labeled, recording, chosen)
+        if sensor is not None:
+            labeled = formats.sensor_frames(labeled, sensor)
         palette = kept.palette(sequence)
         numbering = formats.EXPORTS[export_format].numbering
         numbers = self.labels.taxonomy.exported(palette, numbering)

@@ -381,16 +381,18 @@ class Recording(Part[L]):
         val: str | None = None,
         above: float = 0.0,
         snapshot: str | None = None,
+        sensor: str | None = None,
     ) -> Steps[Path]:
         """Write an export of frames ``I:J`` to a .zip, whole or not at all; return its path.
 
         ``val``: validation frames of a format that splits: ``I:J``, ids of recordings separated by
         commas, or ``none``; by default the frames of one recording in five.  ``above``: minimum
         confidence of predicted labels, 0 to 1.  ``snapshot``: labels of a snapshot instead of the
-        current ones.
+        current ones.  ``sensor``: only the points of this one of several sensors, in its
+        coordinates.
         """
         options = {"format": format, "frames": frames, "val": val, "above": above or None}
-        options |= {"snapshot": snapshot}
+        options |= {"snapshot": snapshot, "sensor": sensor}
         return self._export(out, options)
 
     def _export(self, out: AnyPath, options: dict[str, Any]) -> Steps[Path]:

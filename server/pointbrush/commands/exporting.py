@@ -36,6 +36,10 @@ Boxes: TypeAlias = "Iterable[OrientedBox | Box]"
         "--above", "minimum confidence of predicted labels, 0 to 1", type=share, default=0.0
     ),
     argument(
+        "--sensor", "only the points of this one of several sensors, in its own coordinates",
+        metavar="NAME",
+    ),
+    argument(
         "--val", "frames or recordings for validation in training formats (default: about one "
         "recording in five by its id, never all)", metavar="I:J|SEQ,…|none",
     ),
@@ -56,7 +60,7 @@ def export(given: argparse.Namespace, place: Place) -> Answer:
         snapshot = _snapshot_named(snapshots, snapshot, recording.id)
     write = partial(
         recording.export, given.format, frames=given.frames, val=given.val, above=given.above,
-        snapshot=snapshot,
+        snapshot=snapshot, sensor=given.sensor,
     )  # fmt: skip
     if not local:
         out.parent.mkdir(parents=True, exist_ok=True)

@@ -96,9 +96,9 @@ class LocalRecording(Part):
 
     def export(
         self, format: str, out: Path, frames: str | None, val: str | None, above: float,
-        snapshot: str | None,
+        snapshot: str | None, sensor: str | None,
     ) -> None:  # fmt: skip
-        self.workspace.export(self.id, format, out, frames, val, above, snapshot)
+        self.workspace.export(self.id, format, out, frames, val, above, snapshot, sensor)
 
     def update(self, *, name: str) -> StoredManifest:
         return self.workspace.update_sequence(self.id, name=name)

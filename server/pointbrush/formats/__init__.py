@@ -13,5 +13,6 @@ if TYPE_CHECKING:
     from pointbrush.formats.tables.palette import own_labels
     from pointbrush.formats.writers import EXPORTS, export
     from pointbrush.formats.writers.labeled import BlockedFrame, ExportFrame, LabeledFrame, Split
+    from pointbrush.formats.writers.sensors import sensor_frames, with_sensor_fields
 if not TYPE_CHECKING:
     __getattr__ = lazily(__name__)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Sequence as ListOf
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,10 +14,10 @@ from numpy.typing import NDArray
 
 from pointbrush import formats
 from pointbrush.errors import BadInputError, DamagedError
-from pointbrush.frame import PointFrame
+from pointbrush.frame import FramePart, PointFrame
 from pointbrush.labels import LabelStore
 from pointbrush.labels.versions import PastLabels
-from pointbrush.sequences import Sequence, source_blocks
+from pointbrush.sequences import Sequence, StoredFrame, source_blocks
 from pointbrush.work.annotate.layers import KeptAnnotation, require_layer
 
 Columns = dict[str, NDArray[Any]]
@@ -25,6 +26,8 @@ Columns = dict[str, NDArray[Any]]
 SENT = ("xyz", "rgb", "intensity", "sensor")
 """Columns of a frame's points in REST responses."""
 EXPORTED = (*SENT, "instance")
+OF_SENSORS = ("sensor", "sensor_xyz", "pixel")
+"""Further columns of recordings of several sensors."""
 VERIFIED_AHEAD = 2 << 30
 """Bytes of frames with checksums verified before an export starts, which takes seconds."""
 VALIDATION = 5
@@ -49,6 +52,10 @@ def source_columns(
 
 def _point_frame(recording: Sequence, index: int, columns: Columns) -> PointFrame:
     stored, manifest = recording[index], recording.manifest
+    of_sensors: dict[str, Any] = {}
+    if stored.sensors:
+        of_sensors = {name: columns.get(name) for name in OF_SENSORS}
+        of_sensors |= {"sensors": stored.sensors, "parts": _parts(stored, manifest.shift)}
     return PointFrame(
         xyz=columns["xyz"],
         rgb=columns.get("rgb"),
@@ -57,7 +64,31 @@ def _point_frame(recording: Sequence, index: int, columns: Columns) -> PointFram
         pose=stored.pose,
         viewpoint=None if stored.viewpoint is None else stored.viewpoint + manifest.shift,
         timestamp=stored.timestamp,
+        **of_sensors,
     )
+
+
+def _parts(stored: StoredFrame, shift: ListOf[float]) -> tuple[FramePart, ...]:
+    """Return the parts of a frame with their mounts in source coordinates."""
+    parts = []
+    for part in stored.parts:
+        T_frame_sensor = part.T_frame_sensor.copy()
+        T_frame_sensor[:3, 3] += shift
+        parts.append(FramePart(part.sensor, T_frame_sensor, part.timestamp, part.camera))
+    return tuple(parts)
+
+
+def require_sensor(recording: Sequence, name: str, format: str) -> None:
+    """Raise BadInputError unless ``name`` is one of several sensors of a recording, and the format
+    has points or boxes of it."""
+    if formats.EXPORTS[format].pictures:
+        raise BadInputError(f"sensor: expected a format of points or boxes with it, got {format}")
+    known = [sensor.name for sensor in recording.manifest.sensors]
+    if name not in known:
+        raise BadInputError(
+            f"sensor: expected one of {', '.join(known) or 'several, the recording has one'}, got "
+            f"{name[:80]!r}"
+        )
 
 
 def require_whole(recording: Sequence, frames: range) -> None:
@@ -133,16 +164,17 @@ def _blocks(
     """Yield blocks of a frame with its annotation in source order."""
     stored = recording[index]
     header, rows = recording.source_header(index), recording.source_rows(index)
+    names = {*EXPORTED, *(OF_SENSORS if stored.sensors else ())}
 
     def read(first: int, stop: int) -> Columns:
-        columns = stored.read_source(first, stop, EXPORTED)
+        columns = stored.read_source(first, stop, names)
         return columns | kept.read(first, stop)
 
     first = 0
     for columns in source_blocks(stored, read):
         part = slice(first, first + len(columns["label"]))
         first = part.stop
-        yield formats.LabeledFrame(
+        frame = formats.LabeledFrame(
             index=index,
             points=_point_frame(recording, index, columns),
             label=columns["label"],
@@ -156,6 +188,7 @@ def _blocks(
             dropped=recording.manifest.dropped[index],
             recording=recording.manifest.id,
         )
+        yield formats.with_sensor_fields(frame)
 
 
 def layer_blocks(

@@ -22,8 +22,8 @@ from pointbrush.formats.boxes.drives import (
     WAYMO_TYPES,
 )
 from pointbrush.formats.boxes.figures import FrameBox
-from pointbrush.formats.boxes.scene import File, Scene, SceneFrame
-from pointbrush.formats.readers.feather import PLACE, POSES, STAMP
+from pointbrush.formats.boxes.scene import File, Scene, SceneFrame, ScenePart
+from pointbrush.formats.readers.feather import MOUNTS, PLACE, POSES, STAMP
 from pointbrush.geometry.quaternions import quaternion_of
 from pointbrush.geometry.rotations import upright_axes
 
@@ -86,43 +86,57 @@ class _Tables:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._lidar = scene.token("sensor", 0)
         self.rows: dict[str, list[Record]] = {
             name: [] for name in ("sample", "sample_data", "sample_annotation", "ego_pose")
         }
-        self._sensors: list[Record] = []
+        self._sensors: dict[str, Record] = {}
+        self._mounts: dict[str, tuple[Record, Floats]] = {}
+        """The row of each sensor's mount at its first frame, and the mount, ``T_ego_sensor``."""
         self._attributes: dict[str, int] = {}
         self._instances: dict[int, Record] = {}
 
     def add(self, frame: SceneFrame, T_world_ego: Floats) -> None:
-        """Add a frame as a sample, with a row of data and the rows of its boxes."""
+        """Add a frame as a sample, with a row of data a sensor, and the rows of its boxes."""
         token, number = self._scene.token, frame.index
-        stamp = {"timestamp": ticks(frame.time, MICROSECONDS)}
         T_ego_source = ego_from_source(frame)
-        if not self._sensors:
-            sensor = {"token": token("calibrated", 0), "sensor_token": self._lidar}
-            self._sensors.append({**sensor, **_rigid(T_ego_source), "camera_intrinsic": []})
         sample = {"token": token("sample", number), "scene_token": token("scene", 0)}
-        self.rows["sample"].append(sample | stamp)
-        self.rows["ego_pose"].append(
-            {"token": token("pose", number), **_rigid(T_world_ego), **stamp}
-        )
+        self.rows["sample"].append(sample | {"timestamp": ticks(frame.time, MICROSECONDS)})
+        for part in frame.parts or (ScenePart(SCANNER, "spinning", np.eye(4), frame.time),):
+            self._measure(frame, part, T_world_ego, T_ego_source @ part.T_source_sensor)
+        for box, points, of_radar in frame.radar_counted():
+            self._annotate(frame, box.moved(T_world_ego @ T_ego_source), points, of_radar)
+
+    def _measure(
+        self, frame: SceneFrame, part: ScenePart, T_world_ego: Floats, T_ego_sensor: Floats
+    ) -> None:
+        """Add a sensor's row of data, and the vehicle's pose by which its fixed mount is right."""
+        token, radar = self._scene.token, part.type == "radar"
+        if part.name not in self._mounts:
+            known = len(self._mounts)
+            sensor = {"token": token("sensor", known), "channel": part.name}
+            self._sensors[part.name] = sensor | {"modality": "radar" if radar else "lidar"}
+            row: Record = {"token": token("calibrated", known), "sensor_token": sensor["token"]}
+            row |= {**_rigid(T_ego_sensor), "camera_intrinsic": []}
+            self._mounts[part.name] = row, T_ego_sensor
+        calibrated, T_ego_mount = self._mounts[part.name]
+        moved = T_world_ego @ T_ego_sensor @ np.linalg.inv(T_ego_mount)
+        own, stamp = f" {part.name}" * bool(frame.parts), ticks(part.time, MICROSECONDS)
+        pose = {"token": token(f"pose{own}", frame.index), **_rigid(moved)}
         data = {
-            "token": token("data", number),
-            "sample_token": token("sample", number),
-            "ego_pose_token": token("pose", number),
-            "calibrated_sensor_token": token("calibrated", 0),
-            "filename": f"samples/{SCANNER}/{frame.name}.pcd.bin",
+            "token": token(f"data{own}", frame.index),
+            "sample_token": token("sample", frame.index),
+            "ego_pose_token": pose["token"],
+            "calibrated_sensor_token": calibrated["token"],
+            "filename": f"samples/{part.name}/{frame.name}{'.pcd' if radar else '.pcd.bin'}",
             "fileformat": "pcd",
             "width": 0,
             "height": 0,
             "is_key_frame": True,
         }
-        self.rows["sample_data"].append(data | stamp)
-        for box, points in frame.counted():
-            self._annotate(frame, box.moved(T_world_ego @ T_ego_source), points)
+        self.rows["ego_pose"].append(pose | {"timestamp": stamp})
+        self.rows["sample_data"].append(data | {"timestamp": stamp})
 
-    def _annotate(self, frame: SceneFrame, box: FrameBox, points: int) -> None:
+    def _annotate(self, frame: SceneFrame, box: FrameBox, points: int, of_radar: int) -> None:
         token, place = self._scene.token, numbers_by("nuscenes", box)
         attributes = dict(box.attributes)
         seen = attributes.pop("visibility", None)
@@ -134,7 +148,7 @@ class _Tables:
             "visibility_token": str(LEVELS.index(str(seen)) + 1) if seen in LEVELS else "",
             **dict(zip(("translation", "size", "rotation"), place, strict=True)),
             "num_lidar_pts": points,
-            "num_radar_pts": 0,
+            "num_radar_pts": of_radar,
         }
         self.rows["sample_annotation"].append(row)
         category = token(f"category {box.name}", 0)
@@ -149,7 +163,7 @@ class _Tables:
         """Chain the rows in time, and return them with the tables that they refer to."""
         token, rows = self._scene.token, self.rows
         _chain(rows["sample"], lambda _: "")
-        _chain(rows["sample_data"], lambda _: "")
+        _chain(rows["sample_data"], lambda row: str(row["calibrated_sensor_token"]))
         ends = _chain(rows["sample_annotation"], lambda row: str(row["instance_token"]))
         log = {"token": token("log", 0), "logfile": "", "vehicle": "", "date_captured": ""}
         samples = [row["token"] for row in rows["sample"]]
@@ -171,8 +185,8 @@ class _Tables:
             "scene": [scene],
             "log": [log | {"location": ""}],
             "map": [maps | {"filename": MAP}],
-            "sensor": [{"token": self._lidar, "channel": SCANNER, "modality": "lidar"}],
-            "calibrated_sensor": self._sensors,
+            "sensor": list(self._sensors.values()),
+            "calibrated_sensor": [row for row, _ in self._mounts.values()],
             "category": [
                 {"token": token(f"category {name}", 0), "name": name, "description": "", "index": k}
                 for k, name in enumerate(self._scene.classes, start=1)
@@ -229,14 +243,20 @@ def stamp_of(frame: SceneFrame) -> int:
 
 
 def write_argoverse(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File]:
-    """Write ``annotations.feather`` and the vehicle's poses; boxes are in its coordinates."""
+    """Write ``annotations.feather`` and the vehicle's poses; boxes are in its coordinates.
+
+    The mounts of several sensors are those at the first frame of each.
+    """
     columns: dict[str, list[Any]] = {name: [] for name in (*ARGOVERSE, "num_interior_pts")}
+    mounts: dict[str, Floats] = {}
     poses: dict[str, list[Any]] = {name: [] for name in (STAMP, *PLACE)}
     for frame, T_world_ego in _ego_poses(frames):
         stamp = stamp_of(frame)
         place = (*T_world_ego[:3, 3], *quaternion_of(T_world_ego[:3, :3]))
         for name, value in zip(poses, (stamp, *place), strict=True):
             poses[name].append(value)
+        for part in frame.parts:
+            mounts.setdefault(part.name, ego_from_source(frame) @ part.T_source_sensor)
         for box, points in frame.counted():
             numbers = numbers_by("argoverse", box.moved(ego_from_source(frame)))
             center, size, (w, x, y, z) = numbers
@@ -247,6 +267,10 @@ def write_argoverse(frames: Iterable[SceneFrame], scene: Scene) -> Iterator[File
                 columns[name].append(value)
     yield "annotations.feather", _feather(columns)
     yield POSES, _feather(poses)
+    if mounts:
+        rows = [(*T[:3, 3], *quaternion_of(T[:3, :3])) for T in mounts.values()]
+        places = dict(zip(PLACE, map(list, zip(*rows, strict=True)), strict=True))
+        yield MOUNTS, _feather({"sensor_name": list(mounts), **places})
 
 
 ARGOVERSE = (STAMP, "track_uuid", "category", *PLACE, *SIZES)
@@ -257,7 +281,7 @@ def _feather(columns: Mapping[str, list[Any]]) -> bytes:
     from pyarrow import feather
 
     types = {STAMP: pa.int64(), "num_interior_pts": pa.int64()}
-    words = {"track_uuid", "category"}
+    words = {"track_uuid", "category", "sensor_name"}
     table = pa.table(
         {
             name: pa.array(values, types.get(name, pa.string() if name in words else pa.float64()))

@@ -18,6 +18,7 @@ from pointbrush.geometry.oriented_box import (
     OrientedBox,
 )
 from pointbrush.geometry.quaternions import quaternion_of, rotation_of
+from pointbrush.values.kinds import SensorType
 
 Floats = NDArray[np.float64]
 DIGITS = 8
@@ -41,11 +42,22 @@ class View:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ScenePart:
+    """One of several sensors of a frame: ``T_source_sensor`` (4, 4), ``time`` seconds."""
+
+    name: str
+    type: SensorType
+    T_source_sensor: Floats
+    time: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SceneFrame:
     """A frame with its boxes, in source coordinates.
 
     ``name`` of its source file, without ending; ``time`` seconds; ``points`` in each box;
-    ``up`` (3,); ``pose`` ``T_world_source`` (4, 4) or None; ``view`` the camera of pictures.
+    ``up`` (3,); ``pose`` ``T_world_source`` (4, 4) or None; ``view`` the camera of pictures;
+    ``parts`` its sensors if the recording has several, and ``radar_points`` in each box.
     """
 
     index: int
@@ -56,6 +68,8 @@ class SceneFrame:
     up: Floats = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     pose: Floats | None = None
     view: View | None = None
+    parts: tuple[ScenePart, ...] = ()
+    radar_points: tuple[int, ...] = ()
 
     @property
     def stem(self) -> str:
@@ -65,6 +79,12 @@ class SceneFrame:
     def counted(self) -> Iterator[tuple[FrameBox, int]]:
         """Yield each box with its number of points, 0 if they were not counted."""
         yield from zip(self.boxes, self.points or [0] * len(self.boxes), strict=True)
+
+    def radar_counted(self) -> Iterator[tuple[FrameBox, int, int]]:
+        """Yield each box with its numbers of points that are not of radars, and that are."""
+        radar = self.radar_points or [0] * len(self.boxes)
+        for (box, points), of_radar in zip(self.counted(), radar, strict=True):
+            yield box, points - of_radar, of_radar
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,8 +10,9 @@ from typing import Any, BinaryIO
 from pointbrush.formats.readers.npy import write_column
 from pointbrush.formats.tables.numbering import Numbering
 from pointbrush.formats.tables.table import Table
-from pointbrush.formats.writers.labeled import ExportFrame, Palette
+from pointbrush.formats.writers.labeled import ExportFrame, LabeledFrame, Palette
 from pointbrush.formats.writers.output import Output
+from pointbrush.formats.writers.sensors import parts_document
 
 NAME = "export.json"
 CLASSES = "classes.json"
@@ -22,6 +23,8 @@ PLACEMENT = "T_export_source"
 VERSION = 1
 ROW = "row"
 """Field of a cut's points: the number of each in its frame."""
+SENSORS = "sensors"
+"""Key of the sensors of a frame."""
 DELETED = "deleted"
 """Folder of the masks (N,) bool of deleted points, and key of the masks' names."""
 
@@ -40,6 +43,8 @@ class FrameLog:
         """Names of the files by the frame's number in its recording."""
         self.masks: dict[int, str] = {}
         """Names of the masks of deleted points."""
+        self.sensors: dict[int, dict[str, Any]] = {}
+        """The sensors of each frame of several."""
 
     def file(self, name: str) -> AbstractContextManager[BinaryIO]:
         """Open ``name`` for writing."""
@@ -51,6 +56,10 @@ class FrameLog:
         """Yield the frames, each with a new list of files."""
         for frame in frames:
             self._current = self.files.setdefault(frame.index, [])
+            if isinstance(frame, LabeledFrame) and frame.points.parts:
+                self.sensors[frame.index] = parts_document(frame.points)
+            elif isinstance(frame, LabeledFrame) and frame.sensor:
+                self.sensors[frame.index] = {frame.sensor: {}}
             yield frame
             if self._masks and frame.kept < frame.count:
                 self._write_mask(frame)
@@ -85,6 +94,7 @@ def write_about(
         "frames": [
             {"frame": index, "files": names}
             | ({DELETED: log.masks[index]} if index in log.masks else {})
+            | ({SENSORS: log.sensors[index]} if index in log.sensors else {})
             for index, names in log.files.items()
         ],
         **more,

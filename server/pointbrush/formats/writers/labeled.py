@@ -102,6 +102,8 @@ class LabeledFrame:
     """The frame with the boxes of its labels, for formats that write boxes."""
     masks: Sequence[PictureMask] = ()
     """Its labels in the pictures of its cameras, for formats that write masks."""
+    sensor: str = ""
+    """Name of the sensor if the points are those of one of several, in its coordinates."""
 
     def __post_init__(self) -> None:
         lengths = {len(self.label), len(self.provenance), len(self.deleted)}

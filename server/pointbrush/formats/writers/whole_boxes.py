@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.formats.boxes.drive_writing import ego_from_source
-from pointbrush.formats.boxes.scene import Scene, SceneFrame
+from pointbrush.formats.boxes.scene import Scene, SceneFrame, ScenePart
 from pointbrush.formats.boxes.writing import BoxWriting
 from pointbrush.formats.writers.about import PLACEMENT, TIMES
-from pointbrush.formats.writers.labeled import ExportFrame, Palette, category_of
+from pointbrush.formats.writers.labeled import ExportFrame, LabeledFrame, Palette, category_of
 from pointbrush.formats.writers.output import Output
 from pointbrush.formats.writers.points import write_palette
+from pointbrush.frame import PointFrame
 
 
 def write_whole_boxes(
@@ -60,8 +61,38 @@ def boxes_of(frame: ExportFrame) -> SceneFrame:
 def _counted(frame: ExportFrame) -> SceneFrame:
     """Count the points of a frame that are in each of its boxes, deleted ones left out."""
     found = boxes_of(frame)
-    total: NDArray[np.int64] = np.zeros(len(found.boxes), np.int64)
+    total, of_radar = np.zeros((2, len(found.boxes)), np.int64)
     for block in frame.blocks() if found.boxes else ():
         xyz = block.points.xyz[block.keep].astype(np.float64)
-        total += [int(np.count_nonzero(box.inside(xyz))) for box in found.boxes]
-    return replace(found, points=tuple(total.tolist()))
+        radar = _is_radar(block)[block.keep]
+        for k, box in enumerate(found.boxes):
+            inside = box.inside(xyz)
+            total[k] += np.count_nonzero(inside)
+            of_radar[k] += np.count_nonzero(inside & radar)
+    parts = _parts(frame.points, found.time) if isinstance(frame, LabeledFrame) else ()
+    return replace(
+        found,
+        points=tuple(total.tolist()),
+        radar_points=tuple(of_radar.tolist()),
+        parts=parts,
+    )
+
+
+def _is_radar(block: LabeledFrame) -> NDArray[np.bool_]:
+    """Mark the points (N,) of radars."""
+    sensor = block.points.sensor
+    if sensor is None:
+        return np.zeros(block.count, np.bool_)
+    return np.array([each.type == "radar" for each in block.points.sensors])[sensor]
+
+
+def _parts(points: PointFrame, time: float) -> tuple[ScenePart, ...]:
+    return tuple(
+        ScenePart(
+            points.sensors[part.sensor].name,
+            points.sensors[part.sensor].type,
+            part.T_frame_sensor,
+            time if part.timestamp is None else part.timestamp,
+        )
+        for part in points.parts
+    )

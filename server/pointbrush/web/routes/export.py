@@ -223,12 +223,18 @@ async def export_sequence(
         float, Query(ge=0, le=1, description="least confidence of predicted labels")
     ] = 0.0,
     snapshot: SnapshotQuery = None,
+    sensor: Annotated[
+        str | None, Query(max_length=200, description="name of one of several sensors")
+    ] = None,
 ) -> Response:
-    """Return frames with their labels in source order, as a zip."""
+    """Return frames with their labels in source order, as a zip.
+
+    ``sensor``: only the points of this sensor, in its own coordinates.
+    """
     return await respond(
         request.app.state.exports,
         person_of(request, who),
-        lambda file: workspace.export(seq, format, file, frames, val, above, snapshot),
+        lambda file: workspace.export(seq, format, file, frames, val, above, snapshot, sensor),
         {"Content-Disposition": f'attachment; filename="{seq}-{format}.zip"'},
     )
 
