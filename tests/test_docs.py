@@ -34,6 +34,7 @@ from pointbrush.workspace import Workspace
 from tests import forked
 from tests.depth_camera import grey_pictures
 from tests.formats.test_bags import rosbag1
+from tests.formats.test_several_sensors import MOUNTS, rig, two_lidars
 from tests.serving import TOKEN, serving, settings_in, surface
 from tests.waiting import PATIENCE
 from tests.work.test_box_import import sustechpoints
@@ -233,6 +234,11 @@ def write_files(folder: Path) -> None:
     (folder / "classes.txt").write_text("10 car\n40 road\n")
     (folder / "annotations").mkdir()
     sustechpoints(folder / "annotations")
+    rig(folder / "rig")
+    (folder / "rig" / "extrinsics.json").write_text(
+        json.dumps({name: {"T_frame_sensor": T.tolist()} for name, T in MOUNTS.items()})
+    )
+    two_lidars(folder).rename(folder / "lidars.bag")
     (folder / "drive.bag").write_bytes(rosbag1())
     odometry = "".join(f"{100 + k} {k} 0 0 0 0 0 1\n" for k in range(5))
     (folder / "odometry.txt").write_text(odometry)
