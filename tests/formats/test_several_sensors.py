@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -223,23 +224,28 @@ def rig(folder: Path) -> dict[str, Path]:
 MOUNTS = {"left": mount(-1.0, 60), "middle": mount(0.0, 0), "right": mount(1.0, -60)}
 
 
-@pytest.mark.parametrize("how", ["named", "json", "calib"])
+@pytest.mark.parametrize("how", ["named", "json", "calib", "zip"])
 def test_three_depth_folders_are_one_recording(tmp_path: Path, how: str) -> None:
-    places = rig(tmp_path)
+    top = tmp_path / "rig"
+    places = rig(top)
     document = {name: {"T_frame_sensor": T.tolist()} for name, T in MOUNTS.items()}
     text = "".join(
         f"{n}: {' '.join(map(repr, T[:3].ravel().tolist()))}\n" for n, T in MOUNTS.items()
     )
     options: dict[str, Any] = {}
     if how == "calib":
-        (tmp_path / "calib.txt").write_text(text)
+        (top / "calib.txt").write_text(text)
     else:
-        file = tmp_path / ("extrinsics.json" if how == "json" else "my.json")
+        file = top / ("my.json" if how == "named" else "extrinsics.json")
         file.write_text(json.dumps(document))
+    if how == "zip":
+        source = Path(shutil.make_archive(str(tmp_path / "rig"), "zip", tmp_path, "rig"))
+    else:
+        source = top
     if how == "named":
         options = {"sensor": [f"{n}={p}" for n, p in places.items()], "extrinsics": str(file)}
     with reported() as warnings:
-        frames = frames_of(tmp_path, **options)
+        frames = frames_of(source, **options)
     assert frames[0].sensors == tuple(Sensor(name, "depth") for name in places)
     assert [[part.sensor for part in frame.parts] for frame in frames] == [
         [0, 1], [0, 1, 2], [0, 1, 2], [0, 1, 2]
@@ -286,6 +292,9 @@ def test_sensors_that_make_no_recording_are_refused_in_words(tmp_path: Path) -> 
     ):
         with pytest.raises((BadInputError, NotFoundError), match=said):
             frames_of(tmp_path, sensor=sensor, extrinsics=str(file))
+    (tmp_path / "extrinsics.json").write_text('{"left": {"T_frame_sensor": [1, 2]}}')
+    with pytest.raises(BadInputError, match="left: T_frame_sensor: expected 16 numbers"):
+        frames_of(tmp_path)
 
 
 def test_scans_without_times_join_in_their_order(tmp_path: Path) -> None:

@@ -130,6 +130,17 @@ def test_two_lidars_of_a_bag_come_in_and_out(client: Client, inbox: Path, tmp_pa
         require_alone(exported(Path(out)), inbox / "drive.bag", topic=topic)
 
 
+def test_a_command_sends_the_folders_of_sensors_to_a_server(
+    served: Served, client: Client, inbox: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mounts = ["--extrinsics", str(inbox / "rig" / "mounts.json"), "--name", "sent"]
+    named = [f"--sensor={name}={inbox / 'rig' / name}" for name in ("left", "right")]
+    token = served.headers["Authorization"].removeprefix("Bearer ")
+    for sent in (named, [str(inbox / "rig")]):
+        assert main(["import", *sent, *mounts, "--server", served.url, "--token", token]) == 0
+        assert "sensor right (depth): 3 frames" in capsys.readouterr().out
+
+
 def test_paths_outside_and_unknown_files_are_refused(
     client: Client, inbox: Path, tmp_path: Path
 ) -> None:

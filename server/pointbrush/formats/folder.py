@@ -181,7 +181,8 @@ def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: b
         listed = ", ".join(path.name for path in holding[:8])
         raise BadInputError(
             f"{folder.name}: expected one recording, got {len(holding)} folders with point clouds "
-            f"({listed}); import them one by one"
+            f"({listed}); import them one by one, or as sensors of one recording with an "
+            "extrinsics.json that has their mounts"
         )
     return holding[0] if holding else None
 

@@ -50,7 +50,7 @@ def list_bags(entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptio
         wanted = _all_topics(bag, files[0], wanted)
     if len(wanted) > 1:
         return _list_sensors(entry, bag, files, options, wanted)
-    return _list_topic(entry, bag, files, options, _clouds_of(bag, files, *wanted))
+    return _list_topic(entry, bag, files, _clouds_of(bag, files, *wanted), options)
 
 
 def _clouds_of(bag: Bag, files: Sequence[Path], wanted: str | None = None) -> list[Clouds]:
@@ -63,10 +63,15 @@ def _clouds_of(bag: Bag, files: Sequence[Path], wanted: str | None = None) -> li
 
 
 def _list_topic(
-    entry: Format, bag: Bag, files: Sequence[Path], options: ReadOptions, found: Sequence[Clouds]
+    entry: Format,
+    bag: Bag,
+    files: Sequence[Path],
+    found: Sequence[Clouds],
+    options: ReadOptions | None,
 ) -> Listing:
+    """List the clouds of a topic; without ``options`` they have no poses and pictures."""
     stamps = np.concatenate([clouds.stamps for clouds in found]).tolist()
-    by_stamps, named = rate_of(stamps), named_file(options)
+    by_stamps, named = rate_of(stamps), None if options is None else named_file(options)
     recorded = np.concatenate([clouds.recorded for clouds in found]).tolist()
     fps, clock = (by_stamps, STAMPS) if by_stamps else (rate_of(recorded), RECORDED)
     names = [f"message {number}" for number in range(len(stamps))]
@@ -89,7 +94,9 @@ def _list_topic(
         poses_from=poses.source if poses else "",
         topics=found[0].topics,
         topic=found[0].topic,
-        pictures=joined(
+        pictures=None
+        if options is None
+        else joined(
             [
                 (bag_pictures(bag, clouds, path), len(clouds.stamps))
                 for path, clouds in zip(files, found, strict=True)
@@ -139,8 +146,8 @@ def _list_sensors(
     known = stated if named is not None else _mounts(bag, files[0], found)
     known = with_offsets(known, list(found), options.chosen.clock_offset)
     streams = [
-        Stream(name, _list_topic(entry, bag, files, options, clouds), known[name])
-        for name, clouds in found.items()
+        Stream(name, _list_topic(entry, bag, files, clouds, None if k else options), known[name])
+        for k, (name, clouds) in enumerate(found.items())
     ]
     return replace(join_streams(streams, options), topic=",".join(wanted))
 

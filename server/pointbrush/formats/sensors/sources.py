@@ -30,18 +30,26 @@ def list_recording(folder: Path, format: str | None, options: ReadOptions) -> Li
     A folder has several sensors if the user names a calibration file or if one is in it that names
     two of its folders, and if all sensors of a data set are asked for.
     """
-    streams: list[Stream] = []
+    streams, top = [], _top(folder, options)
     if options.chosen.sensors == "all":
         alone = _of_one(options)
-        streams = argoverse_streams(folder, alone) or nuscenes_streams(folder, alone)
+        streams = argoverse_streams(top, alone) or nuscenes_streams(top, alone)
         known = {stream.name: stream.known for stream in streams}
         known = with_offsets(known, list(known), options.chosen.clock_offset) if known else {}
         streams = [replace(stream, known=known[stream.name]) for stream in streams]
-    if not streams and (known := _calibration(folder, options)):
-        places = {each.name: each for each in folders_in(folder) if each.name in known}
+    if not streams and (known := _calibration(top, options)):
+        places = {each.name: each for each in folders_in(top) if each.name in known}
         named = {name: places[name] for name in known if name in places}
         streams = _streams(named, known, format, options)
     return join_streams(streams, options) if streams else list_folder(folder, format, options)
+
+
+def _top(folder: Path, options: ReadOptions) -> Path:
+    """Return the folder in a folder of an archive or an upload, beside the named calibration."""
+    beside = Path(options.chosen.extrinsics or folder).name
+    inside = [p for p in folder.iterdir() if p.name[0] != "." and p.name != beside]
+    only = inside[0] if len(inside) == 1 else folder
+    return _top(only, options) if only != folder and only.is_dir() else folder
 
 
 def list_named(format: str | None, options: ReadOptions) -> Listing | None:
@@ -68,7 +76,8 @@ def _calibration(folder: Path, options: ReadOptions) -> dict[str, Extrinsics]:
         return read_extrinsics(Path(options.chosen.extrinsics), options.limits)
     inside = {each.name for each in folders_in(folder)}
     for path in (folder / name for name in FILES):
-        with suppress(NotFoundError, BadInputError):
+        # A file with another of the names may be of other tools.
+        with suppress(NotFoundError, *(() if path.name == FILES[0] else (BadInputError,))):
             known = read_extrinsics(path, options.limits)
             if len(inside & known.keys()) > 1:
                 return known

@@ -20,6 +20,7 @@ from pointbrush.formats.sensors.joining import JoinedSensor, half_period, joined
 from pointbrush.formats.times.timing import SPINNING_FORMATS
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.geometry.mounts import Matrix
+from pointbrush.names import spelled_out
 from pointbrush.values.kinds import MOST_SENSORS, SensorType
 
 log = logging.getLogger(__name__)
@@ -55,7 +56,9 @@ class Stream:
         """The sensor, with the type that is usual for its files if it is not stated."""
         format = self.listing.format
         usual: SensorType = "spinning" if format in SPINNING_FORMATS else "unknown"
-        return Sensor(self.name, self.known.type or ("depth" if format == "rgbd" else usual))
+        return Sensor(
+            spelled_out(self.name), self.known.type or ("depth" if format == "rgbd" else usual)
+        )
 
     @property
     def times(self) -> list[float] | None:
