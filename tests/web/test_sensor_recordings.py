@@ -193,6 +193,23 @@ def drive(tmp_path: Path) -> Iterator[Workspace]:
         yield workspace
 
 
+def test_labels_of_the_lidar_are_of_its_points(drive: Workspace, tmp_path: Path) -> None:
+    """lidarseg has a class for each point of the lidar, and none for points of radars."""
+    sweeps = sorted((tmp_path / "nuscenes" / "samples" / "LIDAR_TOP").iterdir())
+    (tmp_path / "labels").mkdir()
+    for sweep in sweeps:
+        name = sweep.name.replace(".pcd.bin", "_lidarseg.bin")
+        np.full(40, 17, np.uint8).tofile(tmp_path / "labels" / name)
+    job = drive.imports.begin_labels("drive", tmp_path / "labels", "ann", format="lidarseg")
+    done = drive.runner.wait(job.id, PATIENCE)
+    assert done.result is not None, done.error
+    assert done.result["labelled"] == 80
+    drive.export("drive", "npz", tmp_path / "out", sensor="LIDAR_TOP")
+    assert np.load(tmp_path / "out" / "000001.npz")["label"].all()
+    drive.export("drive", "npz", tmp_path / "radar", sensor="RADAR_FRONT")
+    assert not np.load(tmp_path / "radar" / "000001.npz")["label"].any()
+
+
 def test_nuscenes_tables_have_each_sensor_at_its_place(drive: Workspace, tmp_path: Path) -> None:
     drive.export("drive", "nuscenes-boxes", tmp_path / "out")
     source, made = (

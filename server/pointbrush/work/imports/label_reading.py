@@ -42,8 +42,8 @@ from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.formats.times.matching import FrameName, frames_of_numbers, match, matched
 from pointbrush.jobs.worker import Channel
 from pointbrush.labels.boxes.journal import MOST_BOXES
+from pointbrush.sequences import Manifest, open_sequence
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.values.imports import LabelOptions
 from pointbrush.work.imports.choosing import require_few
@@ -136,7 +136,7 @@ class ReadLabelsWork:
                 labels = _of_places(files.read(path, options), recording, frame)
                 labels = _of_points(labels, recording, frame)
                 labels = _of_export(labels, files.export, recording, frame)
-                made = _of_frame(labels, frame, recording.manifest.points[frame], files)
+                made = _of_frame(labels, frame, recording.manifest, files)
                 keys.update(made.keys)
                 require_few(keys)
                 channel.item(made)
@@ -329,9 +329,13 @@ def _of_boxes(
     return FrameLabels(frame, file, rows, place[box] if len(keys) else box, once)
 
 
-def _of_frame(labels: PointLabels, frame: int, points: int, files: LabelFiles) -> FrameLabels:
-    count = len(labels.category)
-    if count != points:
+def _of_frame(
+    labels: PointLabels, frame: int, manifest: Manifest, files: LabelFiles
+) -> FrameLabels:
+    """Return labels of all points of a frame, or of the first of several sensors: their rows are
+    the first ones.  Raises BadInputError for another number of labels."""
+    count, points = len(labels.category), manifest.points[frame]
+    if count not in (points, *(sensor.points[frame] for sensor in manifest.sensors[:1])):
         raise BadInputError(
             f"{labels.file}: expected {points:,} labels, one for each point of frame {frame}, "
             f"got {count:,}"
