@@ -189,6 +189,45 @@ def test_clocks_that_differ_are_refused_with_an_estimate(tmp_path: Path) -> None
         frames_of(path, sensors="all", clock_offset=["left=1"])
 
 
+def seen(times: Sequence[float], seed: int, T: Matrix) -> list[NDArray[np.float32]]:
+    """A ball that moves irregularly over a floor, as a sensor sees it at some times."""
+    rng = np.random.default_rng(seed)
+    floor = rng.uniform([-3, -3, 0], [3, 3, 0.02], (1500, 3))
+    found = []
+    for t in times:
+        way = [1.2 * np.sin(0.9 * t + 0.3 * np.sin(2.3 * t)), 0.5 * np.cos(1.7 * t) ** 3, 1.2]
+        ball = rng.normal(size=(400, 3))
+        ball = 0.3 * ball / np.linalg.norm(ball, axis=1, keepdims=True) + way
+        points = np.concatenate([floor + rng.normal(0, 0.004, floor.shape), ball])
+        found.append((points @ T[:3, :3].T + T[:3, 3]).astype(np.float32))
+    return found
+
+
+def test_a_clock_offset_is_estimated_from_motion(tmp_path: Path) -> None:
+    late, names = 12.5, ("a", "b")
+    clocks = {"a": np.arange(60) / 10, "b": np.arange(60) / 10 + 0.03}
+    for name, times in clocks.items():
+        (tmp_path / name).mkdir()
+        for k, points in enumerate(seen(times, ord(name), mount(0))):
+            np.save(tmp_path / name / f"{k:03d}.npy", points)
+        told = times - (late if name == "b" else 0)
+        (tmp_path / name / "times.txt").write_text("".join(f"{each}\n" for each in told))
+    file = tmp_path / "extrinsics.json"
+    file.write_text(json.dumps({n: {"T_frame_sensor": np.eye(4).tolist()} for n in names}))
+    with pytest.raises(BadInputError, match="expected frames at the times of a"):
+        frames_of(tmp_path)
+    with reported() as warnings:
+        frames = frames_of(tmp_path, clock_offset=["b=auto"])
+    assert any("estimated from motion" in warning for warning in warnings)
+    apart = [f.parts[1].timestamp - f.parts[0].timestamp for f in frames if len(f.parts) > 1]
+    assert len(apart) == 60
+    assert apart == pytest.approx([0.03] * 60, abs=0.03)
+    for path in sorted((tmp_path / "b").glob("*.npy")):
+        np.save(path, seen([0.0], int(path.stem), np.eye(4))[0])
+    with pytest.raises(BadInputError, match="expected motion that a sees as well"):
+        frames_of(tmp_path, clock_offset=["b=auto"])
+
+
 # ── folders ──────────────────────────────────────────────────────────────────────────────────
 
 

@@ -67,7 +67,8 @@ class ImportOptions(Body):
     extrinsics: Text | None = None
     """File in JSON with the mount ``T_frame_sensor`` of each sensor by name, 16 numbers by rows."""
     clock_offset: Annotated[tuple[Text, ...], Rule(max_length=MOST_SENSORS), Repeated] | None = None
-    """Seconds to add to the times of a sensor: ``NAME=SECONDS``."""
+    """Seconds to add to the times of a sensor: ``NAME=SECONDS``, or ``NAME=auto`` to estimate them
+    from motion that it and the reference see."""
     poses: Text | None = None
     """``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame."""
     by_order: bool = False

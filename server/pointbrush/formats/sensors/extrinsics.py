@@ -19,6 +19,8 @@ from pointbrush.values.kinds import SensorType
 FILES = ("extrinsics.json", "calibration.json", "calib.txt")
 """Calibration files in a folder with a folder for each sensor."""
 TYPES: tuple[str, ...] = get_args(get_args(SensorType)[0])
+AUTO = "auto"
+"""Clock offset that is estimated."""
 MOUNT, TYPE, OFFSET = "T_frame_sensor", "type", "clock_offset_s"
 """Keys of a sensor in a calibration file."""
 
@@ -27,12 +29,13 @@ MOUNT, TYPE, OFFSET = "T_frame_sensor", "type", "clock_offset_s"
 class Extrinsics:
     """Facts about a sensor from a calibration file and from options.
 
-    ``offset``: seconds to add to its times, so that they are on the reference sensor's clock.
+    ``offset``: seconds to add to its times, so that they are on the reference sensor's clock; None
+    to estimate them from motion.
     """
 
     T_frame_sensor: Matrix | None = None
     type: SensorType | None = None
-    offset: float = 0.0
+    offset: float | None = 0.0
 
 
 def read_extrinsics(path: Path, limits: Limits) -> dict[str, Extrinsics]:
@@ -77,13 +80,15 @@ def _of_lines(file: str, text: str) -> Iterable[tuple[str, Extrinsics]]:
             yield name.strip(), Extrinsics(rigid_mount(where, pose_of(where, numbers.split())))
 
 
-def _seconds(where: str, value: Any) -> float:
+def _seconds(where: str, value: Any) -> float | None:
+    if value == AUTO:
+        return None
     try:
         seconds = float(value)
     except (TypeError, ValueError):
         seconds = math.nan
     if not math.isfinite(seconds):
-        raise BadInputError(f"{where}: expected seconds, got {str(value)[:40]!r}")
+        raise BadInputError(f"{where}: expected seconds or {AUTO}, got {str(value)[:40]!r}")
     return seconds
 
 

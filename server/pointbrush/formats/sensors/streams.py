@@ -15,6 +15,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.cameras.pictures import moved
 from pointbrush.formats.listing import FrameFile, Listing
 from pointbrush.formats.options import ReadOptions
+from pointbrush.formats.sensors.clocks import MOST_FRAMES, changes, clock_offset
 from pointbrush.formats.sensors.extrinsics import Extrinsics
 from pointbrush.formats.sensors.joining import JoinedSensor, half_period, joined_frames
 from pointbrush.formats.times.timing import SPINNING_FORMATS
@@ -64,7 +65,7 @@ class Stream:
     def times(self) -> list[float] | None:
         """Times of its frames on the clock of the reference sensor, seconds."""
         own = self.listing.times
-        return None if own is None else [time + self.known.offset for time in own]
+        return None if own is None else [time + (self.known.offset or 0.0) for time in own]
 
 
 def join_streams(streams: Sequence[Stream], options: ReadOptions) -> Listing:
@@ -81,6 +82,10 @@ def join_streams(streams: Sequence[Stream], options: ReadOptions) -> Listing:
     for stream in streams:
         _ = stream.mount
     first = streams[0].listing
+    streams = [
+        stream if k == 0 else _on_clock(streams[0], stream, options)
+        for k, stream in enumerate(streams)
+    ]
     found = [_joined(streams[0], each, options) for each in streams]
     rows: list[Row] = list(zip(*(numbers for _, numbers in found), strict=True))
     read = partial(_read, tuple(streams))
@@ -139,6 +144,32 @@ def _joined(
                 f"{'none' if known is None else 'others'}; by_order joins frames in their order"
             )
     return _by_time(reference, stream, at or [], times or [])
+
+
+def _on_clock(reference: Stream, stream: Stream, options: ReadOptions) -> Stream:
+    """Return a sensor with its clock offset, estimated from the first frames if it is asked for.
+
+    A warning states the estimate.  Raises BadInputError if it is not clear.
+    """
+    at, times = reference.times, stream.times
+    if stream.known.offset is not None or at is None or times is None:
+        return stream
+    seen = [
+        changes(_frames(each.listing, range(min(len(known), MOST_FRAMES)), options))
+        for each, known in ((reference, at), (stream, times))
+    ]
+    found = clock_offset(seen[0], at, seen[1], times)
+    if not found.is_clear:
+        raise BadInputError(
+            f"{stream.name}: expected motion that {reference.name} sees as well for an estimate of "
+            f"the clock offset, got a correlation of {found.correlation:.2f} at best; name it in "
+            "seconds (--clock-offset)"
+        )
+    log.warning(
+        "%s: its clock offset is estimated from motion: %.3f s, by a correlation of %.2f",
+        stream.name, found.seconds, found.correlation,
+    )  # fmt: skip
+    return replace(stream, known=replace(stream.known, offset=found.seconds))
 
 
 def _by_time(
