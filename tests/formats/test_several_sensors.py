@@ -18,8 +18,8 @@ from PIL import Image
 from pyarrow import feather
 from scipy.spatial.transform import Rotation
 
-from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.formats import open_source, reported
+from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
+from pointbrush.formats import Limits, open_source, reported
 from pointbrush.formats.sensors.joining import joined_frames
 from pointbrush.formats.tables.corrections import Corrections, parse_corrections
 from pointbrush.frame import PointFrame, Sensor, frame_of_part, to_frame
@@ -37,7 +37,7 @@ def mount(x: float, degrees: float = 90.0) -> Matrix:
 
 
 def frames_of(*paths: Path, **options: Any) -> list[PointFrame]:
-    with open_source(paths, chosen=parse_corrections(options)) as source:
+    with open_source(paths or [Path()], chosen=parse_corrections(options)) as source:
         frames = list(source.frames)
         assert len(frames) == source.count == len(source.origins)
     return frames
@@ -342,13 +342,23 @@ def test_scans_without_times_join_in_their_order(tmp_path: Path) -> None:
         for k in range(3):
             points = np.random.default_rng(seed + 10 * k).uniform(1, 9, (9, 3))
             np.save(tmp_path / name / f"{k:03d}.npy", points.astype(np.float32))
-    (tmp_path / "extrinsics.json").write_text(
-        json.dumps({name: {"T_frame_sensor": np.eye(4).tolist()} for name in "ab"})
-    )
+    for file, names in (("extrinsics.json", "ab"), ("both.json", "cd")):
+        mounts = {name: {"T_frame_sensor": np.eye(4).tolist()} for name in names}
+        (tmp_path / file).write_text(json.dumps(mounts))
     frames = frames_of(tmp_path)
     for number, name in enumerate("ab"):
         for frame, alone in zip(frames, frames_of(tmp_path / name), strict=True):
             require_same(frame, number, alone)
+    table = "frame,x,y,z\n" + "".join(f"{k % 3},{k},1,2\n" for k in range(9))
+    (tmp_path / "c").mkdir()
+    (tmp_path / "c" / "table.csv").write_text(table)
+    (tmp_path / "d").mkdir()
+    np.save(tmp_path / "d" / "0.npy", np.ones((5, 3), np.float32))
+    with pytest.raises(BadInputError, match=r"table\.csv: expected one frame a file"):
+        frames_of(
+            sensor=[f"{name}={tmp_path / name}" for name in "cd"],
+            extrinsics=str(tmp_path / "both.json"),
+        )
     (tmp_path / "b" / "002.npy").unlink()
     with pytest.raises(BadInputError, match="b: expected 3 frames, as a has, or times"):
         frames_of(tmp_path)
@@ -432,6 +442,8 @@ def test_nuscenes_with_all_sensors_has_its_radars_at_their_place(tmp_path: Path)
         assert frames[1].pose is not None
         assert frames[1].pose[0, 3] == pytest.approx(10)
     assert frames_of(lidar)[0].sensor is None
+    with pytest.raises(ForbiddenError):
+        open_source([lidar], limits=Limits(roots=(lidar,)), chosen=Corrections(sensors="all"))
 
 
 @pytest.mark.parametrize("swapped", [False, True])

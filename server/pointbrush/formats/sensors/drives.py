@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.formats.folder import ARGOVERSE_SCANS, list_folder
 from pointbrush.formats.geometry.poses import of_quaternion
+from pointbrush.formats.inside import require_inside
 from pointbrush.formats.listing import FrameFile
 from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.readers.feather import MOUNTS, PLACE, read_table
@@ -50,6 +51,8 @@ def nuscenes_streams(folder: Path, options: ReadOptions) -> list[Stream]:
     tables = read_tables(inside[0]) if len(inside) > 1 else None
     if tables is None:
         return []
+    if options.limits.roots:
+        require_inside(inside, options.limits.roots)
     streams: list[Stream] = []
     T_first_ego: Matrix = np.eye(4)
     for each in inside:

@@ -49,7 +49,8 @@ def _top(folder: Path, options: ReadOptions) -> Path:
     beside = Path(options.chosen.extrinsics or folder).name
     inside = [p for p in folder.iterdir() if p.name[0] != "." and p.name != beside]
     only = inside[0] if len(inside) == 1 else folder
-    return _top(only, options) if only != folder and only.is_dir() else folder
+    descends = only != folder and only.is_dir() and not only.is_symlink()
+    return _top(only, options) if descends else folder
 
 
 def list_named(format: str | None, options: ReadOptions) -> Listing | None:

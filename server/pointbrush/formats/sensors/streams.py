@@ -253,12 +253,23 @@ def _frames(
 ) -> Iterator[PointFrame]:
     """Yield the frames of the numbers ``wanted``, which increase; None for no frame."""
     numbers = [number for number in wanted if number is not None]
-    files = listing.frames
     if _is_one_each(listing):
-        files, numbers = [files[number] for number in numbers], list(range(len(numbers)))
-    each = (f for file in files for f in file.read(replace(options, known=file.known)))
+        yield from (_only_frame(listing.frames[number], options) for number in numbers)
+        return
+    each = (f for file in listing.frames for f in file.read(replace(options, known=file.known)))
     done = 0
     for number in numbers:
         for frame in islice(each, number - done, number - done + 1):
             yield options.chosen.applied(frame)
         done = number + 1
+
+
+def _only_frame(file: FrameFile, options: ReadOptions) -> PointFrame:
+    """Read the frame of a file; raise BadInputError if it has several, or none."""
+    frames = list(islice(file.read(replace(options, known=file.known)), 2))
+    if len(frames) != 1:
+        raise BadInputError(
+            f"{file.name}: expected one frame a file in a recording of several sensors, got "
+            f"{'several' if frames else 'none'}; write each frame to a file"
+        )
+    return options.chosen.applied(frames[0])
