@@ -623,7 +623,7 @@ export interface ImportOptions {
   readonly sensor?: readonly string[] | null;
   /** File in JSON with the mount ``T_frame_sensor`` of each sensor by name, 16 numbers by rows. */
   readonly extrinsics?: string | null;
-  /** Seconds to add to the times of a sensor: ``NAME=SECONDS``. */
+  /** Seconds to add to the times of a sensor: ``NAME=SECONDS``, or ``NAME=auto`` to estimate them from motion that it and the reference see. */
   readonly clock_offset?: readonly string[] | null;
   /** ``auto``, ``viewpoint`` of PCD files, ``none``, or a file of poses, one line per frame. */
   readonly poses?: string | null;

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -76,12 +75,17 @@ def _calibration(folder: Path, options: ReadOptions) -> dict[str, Extrinsics]:
     if options.chosen.extrinsics is not None:
         return read_extrinsics(Path(options.chosen.extrinsics), options.limits)
     inside = {each.name for each in folders_in(folder)}
-    for path in (folder / name for name in FILES):
-        # A file with another of the names may be of other tools.
-        with suppress(NotFoundError, *(() if path.name == FILES[0] else (BadInputError,))):
+    for path in (folder / name for name in FILES if (folder / name).is_file()):
+        try:
             known = read_extrinsics(path, options.limits)
-            if len(inside & known.keys()) > 1:
-                return known
+        except BadInputError:
+            # The file may be of another tool, unless it names a folder.
+            text = path.read_text("utf-8", "replace")
+            if any(f'"{name}"' in text for name in inside):
+                raise
+            continue
+        if len(inside & known.keys()) > 1:
+            return known
     return {}
 
 
