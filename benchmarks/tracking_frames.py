@@ -32,6 +32,8 @@ class Frame:
     pose: NDArray[np.float64] | None = None
     intensity: NDArray[np.float32] | None = None
     lattice: PixelLattice | None = None
+    sensor: NDArray[np.uint8] | None = None
+    parts: Sequence[Any] = ()
 
     @cached_property
     def kdtree(self) -> cKDTree:
@@ -58,7 +60,8 @@ def store(frames: Sequence[Frame], path: Path) -> None:
         f"{number}_{each.name}": value
         for number, frame in enumerate(frames)
         for each in fields(frame)
-        if (value := getattr(frame, each.name)) is not None and each.name != "lattice"
+        if (value := getattr(frame, each.name)) is not None
+        and each.name not in ("lattice", "parts")
     }
     for number, frame in enumerate(frames):
         if (seen := frame.lattice) is not None:

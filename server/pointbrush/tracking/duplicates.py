@@ -26,6 +26,7 @@ from pointbrush.tracking.interface import (
     Known,
     PixelLattice,
     Seed,
+    SensorPart,
     TrackFrame,
     TrackOptions,
 )
@@ -100,6 +101,17 @@ class DistinctFrame:
     def lattice(self) -> PixelLattice | None:
         """The camera's pixels."""
         return self.whole.lattice
+
+    @property
+    def sensor(self) -> NDArray[np.uint8] | None:
+        """(M,) sensor of the first copies."""
+        sensor = self.whole.sensor
+        return None if sensor is None else np.asarray(sensor)[self.first]
+
+    @property
+    def parts(self) -> Sequence[SensorPart]:
+        """The sensors of a frame that has several."""
+        return self.whole.parts
 
 
 class DistinctFrames:

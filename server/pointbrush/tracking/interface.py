@@ -62,13 +62,34 @@ class PixelLattice(Protocol):
         """The camera's position, in local metres."""
 
 
+class SensorPart(Protocol):
+    """One sensor of a frame that has several; ``sequences`` has an implementation."""
+
+    @property
+    def sensor(self) -> int:
+        """Number of the sensor in the recording."""
+
+    @property
+    def T_frame_sensor(self) -> F64:  # noqa: N802  (named for its direction)
+        """(4, 4) the sensor's mount, in local metres."""
+
+    @property
+    def viewpoint(self) -> F64:
+        """(3,) the sensor's position, in local metres."""
+
+    @property
+    def lattice(self) -> PixelLattice | None:
+        """Its pixels in its own coordinates, if the import found them."""
+
+
 class TrackFrame(Protocol):
     """A frame for tracking; ``StoredFrame`` is an implementation.
 
     ``xyz`` (N, 3): float32 metres; ``rgb`` (N, 3): uint8 or None; ``intensity`` (N,): float32 or
     None; ``kdtree``: tree of ``xyz``; ``viewpoint`` (3,): sensor position, None if unknown;
     ``pose`` (4, 4): ``T_world_frame``, None for a sensor at rest; ``lattice``: pixels of its
-    camera if the import found them, else None.
+    camera if the import found them, else None.  In a frame of several sensors, ``sensor`` (N,) is
+    the number of each point's sensor, and ``parts`` has those sensors; else it is None.
     """
 
     @property
@@ -99,6 +120,14 @@ class TrackFrame(Protocol):
     def lattice(self) -> PixelLattice | None:
         """The camera's pixels, if the import found them."""
 
+    @property
+    def sensor(self) -> NDArray[np.uint8] | None:
+        """(N,) number of each point's sensor; None for one sensor."""
+
+    @property
+    def parts(self) -> Sequence[SensorPart]:
+        """The sensors of a frame that has several; undefined for one sensor."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PositionsFrame:
@@ -110,6 +139,8 @@ class PositionsFrame:
     lattice: PixelLattice | None = None
     rgb: None = None
     intensity: None = None
+    sensor: None = None
+    parts: tuple[()] = ()
 
     @property
     def kdtree(self) -> cKDTree:

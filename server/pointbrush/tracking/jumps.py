@@ -219,6 +219,15 @@ class MovedFrame:
         """The camera's pixels: None, as they change with the jump."""
         return None
 
+    @property
+    def sensor(self) -> None:
+        """The sensors are not distinguished, as their positions are unknown."""
+
+    @property
+    def parts(self) -> tuple[()]:
+        """No sensors."""
+        return ()
+
 
 @dataclass(frozen=True)
 class AcrossJumps:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.interface import PixelLattice
+from pointbrush.tracking.interface import PixelLattice, SensorPart
 
 
 @dataclass(eq=False)
@@ -22,6 +23,8 @@ class Frame:
     viewpoint: np.ndarray | None = None
     pose: np.ndarray | None = None
     lattice: PixelLattice | None = None
+    sensor: np.ndarray | None = None
+    parts: Sequence[SensorPart] = ()
 
     @cached_property
     def kdtree(self) -> cKDTree:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pointbrush.tracking.interface import F32, F64, I64
+from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options.tracks import ObjectOptions
 from pointbrush.tracking.sensors.view import View
 
@@ -17,19 +17,35 @@ def cut_off_by_edge(view: View, indices: I64, radius: float) -> tuple[bool, bool
 
     Many of its points lie at the edge, or it is as large as a part of a person and touches the edge
     along much of its width.  If no unlabelled point reaches as far, the object itself ends there.
+    Of several cameras, each that shows the object cuts it off.
     """
-    options = view.options.track
     if view.lens is None:
         return False, False
-    others, gaps, touch = ~view.labelled(), np.inf, 0.0
-    row, column = np.divmod(view.cells.cell, view.lens.shape[1])
+    own, others = np.zeros(len(view.xyz), np.bool_), ~view.labelled()
+    own[indices] = True
+    row, column = np.divmod(view.cells.cell, view.image_shape[1])
+    cuts = [
+        _cut_off(
+            row[points], column[points], own[points], others[points], radius, view.options.track
+        )
+        for points in view.points_by_sensor
+        if own[points].any()
+    ]
+    return bool(cuts) and all(cut for cut, _ in cuts), bool(cuts) and all(may for _, may in cuts)
+
+
+def _cut_off(
+    row: I64, column: I64, own: Mask, others: Mask, radius: float, options: ObjectOptions
+) -> tuple[bool, bool]:
+    """See ``cut_off_by_edge``, for the points (N,) of one camera at a ``row`` and a ``column``."""
+    gaps, touch = np.inf, 0.0
     for at, along in ((row, column), (column, row)):
         for side in (at, -at):
             if others.any() and side[others].min() < side.min() + options.edge_px:
-                gap = side[indices] - side.min()
+                gap = side[own] - side.min()
                 gaps = np.minimum(gaps, gap)
-                contact = np.unique(along[indices][gap < options.edge_px])
-                touch = max(touch, len(contact) / (np.ptp(along[indices]) + 1))
+                contact = np.unique(along[own][gap < options.edge_px])
+                touch = max(touch, len(contact) / (np.ptp(along[own]) + 1))
     wide = touch > options.contact_share
     cut = (wide and radius > options.cut_m) or np.mean(gaps < options.edge_px) > options.edge_share
     return bool(cut), wide
@@ -37,7 +53,7 @@ def cut_off_by_edge(view: View, indices: I64, radius: float) -> tuple[bool, bool
 
 def sensor_distance(view: View, xyz: F64) -> float:
     """Return the distance (m) of points (M, 3) from the sensor; 0 if its position is unknown."""
-    return 0.0 if view.eye is None else float(np.linalg.norm(xyz.mean(axis=0) - view.eye))
+    return view.sensor_distance(xyz.mean(axis=0)) or 0.0
 
 
 def across_way(xyz: F64) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter
 
 from pointbrush.compiled import compiled
@@ -14,6 +15,7 @@ from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.options.sensors import LensOptions
 from pointbrush.tracking.options.tracks import SurfaceOptions
 from pointbrush.tracking.sensors.camera import Lens, Pixels, pixel
+from pointbrush.tracking.sensors.sights import any_of
 from pointbrush.tracking.sensors.view import View
 
 
@@ -44,7 +46,10 @@ class Model:
         options: SurfaceOptions,
         most: int | None = None,
     ) -> Model:
-        """Return a model of at most ``most`` of the points (M, 3) seen by a sensor at ``eye``."""
+        """Return a model of at most ``most`` of the points (M, 3).
+
+        ``eye`` (1, 3) or (M, 3): position of the sensor that sees all or each of them.
+        """
         n = len(xyz)
         model = Model(
             options,
@@ -73,7 +78,10 @@ class Model:
         return self._radius
 
     def facing(self, poses: F64, eye: F64 | None, which: I64 | slice = slice(None)) -> Mask:
-        """Mark the points (K, M), or only ``which``, that face ``eye`` at ``poses`` (K, 4, 4)."""
+        """Mark the points (K, M), or only ``which``, that face ``eye`` at ``poses`` (K, 4, 4).
+
+        ``eye`` (3,): position of one sensor in the world.
+        """
         xyz, seen = self.xyz[which], self.seen[which]
         if eye is None:
             return np.ones((len(poses), len(xyz)), np.bool_)
@@ -190,25 +198,36 @@ def _towards(xyz: F64, eye: F64 | None) -> F64:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class CarvingView:
-    """Depth image around an object in one frame, for space carving.
+class Cutout:
+    """Part of the depth image of a ``lens`` around an object.
 
-    ``pose`` (4, 4) of the object; ``T_world_lens`` (4, 4) or None; ``depth`` (H, W): minimum of
-    each pixel and its neighbours, 0 if one of them is unmeasured; ``corner``: its first row and
-    column in the image of ``lens``.
+    ``depth`` (H, W): minimum of each pixel and its neighbours, 0 if one of them is unmeasured;
+    ``corner``: its first row and column in the depth image.
     """
 
-    pose: F64
-    T_world_lens: F64 | None
     lens: Lens
     corner: tuple[int, int]
     depth: F32
 
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CarvingView:
+    """Depth images around an object in one frame, for space carving.
+
+    ``pose`` (4, 4) of the object; ``T_world_lens`` (4, 4) or None; ``cutouts``: one of each camera
+    that shows the object.
+    """
+
+    pose: F64
+    T_world_lens: F64 | None
+    cutouts: list[Cutout]
+
     def through(self, xyz: F64, beyond: float, options: LensOptions) -> Mask:
-        """Return a mask of the points (M, 3), in object coordinates, that the view saw through."""
+        """Return a mask of the points (M, 3), in object coordinates, that a camera saw through."""
         T = self.pose if self.T_world_lens is None else inverse(self.T_world_lens) @ self.pose
-        return _through(
-            self.lens.pixels, T, self.corner, self.depth, xyz, beyond, options.nearest_m
+        return any_of(
+            _through(c.lens.pixels, T, c.corner, c.depth, xyz, beyond, options.nearest_m)
+            for c in self.cutouts
         )
 
 
@@ -226,22 +245,29 @@ def _through(
     height, width = image.shape
     for i in range(len(xyz)):
         cell, depth = pixel(lens, carried(T, xyz[i, 0], xyz[i, 1], xyz[i, 2]), nearest_m)
-        row, column = cell // lens.width - corner[0], cell % lens.width - corner[1]
+        row, column = cell // lens.stride - corner[0], cell % lens.stride - corner[1]
         if cell >= 0 and 0 <= row < height and 0 <= column < width:
             result[i] = image[row, column] > depth + beyond
     return result
 
 
 def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
-    """Cut ``view``'s depth image around an object whose surface is at ``world`` (M, 3)."""
-    options = view.options.surface
+    """Cut ``view``'s depth images around an object whose surface is at ``world`` (M, 3)."""
     if view.lens is None:
         return None
-    cell = view.project(world).cell
-    cell = cell[cell >= 0]
-    if not len(cell):
-        return None
-    height, width = view.lens.shape
+    lenses = [sight.lens for sight in view.sights if sight.lens is not None]
+    cells = [projection.cell for projection in view.project(world)]
+    cutouts = [
+        _cutout(view, lens, cell[cell >= 0])
+        for lens, cell in zip(lenses, cells, strict=True)
+        if (cell >= 0).any()
+    ]
+    return CarvingView(pose, view.T_world_lens, cutouts) if cutouts else None
+
+
+def _cutout(view: View, lens: Lens, cell: I64 | NDArray[np.int32]) -> Cutout:
+    options = view.options.surface
+    height, width = view.image_shape
     row, column = np.divmod(cell, width)
     top, left = (
         max(int(row.min()) - options.carve_margin_px, 0),
@@ -254,7 +280,7 @@ def carving_view(view: View, pose: F64, world: F64) -> CarvingView | None:
     ]
     part = np.nan_to_num(part, nan=0.0)
     least = minimum_filter(part, 3, mode="constant")
-    return CarvingView(pose, view.T_world_lens, view.lens, (top, left), least)
+    return Cutout(lens, (top, left), least)
 
 
 def remember(carving_views: list[CarvingView], view: View, pose: F64, world: F64) -> None:

@@ -332,7 +332,7 @@ def _made(
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
         weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)
-    model = Model.of(xyz, colour, view.eye, spacing, options.surface)
+    model = Model.of(xyz, colour, view.eyes_of(indices), spacing, options.surface)
     model.hits[:] = options.surface.sure_hits
     count = len(indices)
     return Track(

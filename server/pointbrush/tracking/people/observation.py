@@ -128,7 +128,7 @@ class PersonObservation:
     @cached_property
     def _columns(self) -> tuple[I64, int, int]:
         """Columns (N,) of the points in the grid of pixels; the first and the last measured one."""
-        down, across = self.view.camera.shape
+        down, across = self.view.image_shape
         cell = self.view.cells.cell.astype(np.int64)
         column = cell % across
         seen = column[cell < down * across]
@@ -145,7 +145,7 @@ class PersonObservation:
     @cached_property
     def areas(self) -> F64:
         """(N,) visible surface of each cell; see ``area``."""
-        _, depth = self.view.project(self.cells.middle)
+        depth = self.view.range_to(self.cells.middle)
         return np.asarray(self.cells.count * depth**2)
 
     def unlike(self, appearance: ColourHistogram) -> F64:
@@ -164,8 +164,7 @@ class PersonObservation:
 
     def shows(self, world: F64) -> Mask:
         """Return a mask of the positions (M, 3) inside the picture that are not occluded."""
-        at, depth = self.view.project(world)
-        return np.asarray((self.view.depth[at] > depth - self.options.body.before_m) & (at >= 0))
+        return self.view.sees_through(world, -self.options.body.before_m)
 
     def smooth(self, each: F64) -> F64:
         """Return (N,) the mean of ``each`` cell's value and its neighbours' values."""

@@ -125,7 +125,7 @@ def top_of(observation: PersonObservation, cells: I64, area: float) -> float | N
         return None
     world = observation.view.xyz[points].astype(np.float64)
     height = world @ observation.up
-    _, depth = observation.view.project(world[:: max(1, len(points) // options.sampled_points)])
+    depth = observation.view.range_to(world[:: max(1, len(points) // options.sampled_points)])
     above = max(
         1,
         round(
@@ -137,9 +137,8 @@ def top_of(observation: PersonObservation, cells: I64, area: float) -> float | N
     order = np.argpartition(height, len(points) - above)
     highest = order[len(points) - above :]
     middle = world[highest].mean(axis=0)
-    at, above_depth = observation.view.project(middle + np.outer(options.above_m, observation.up))
-    free = (at >= 0) & (
-        observation.view.depth[at] > above_depth + observation.options.body.before_m
+    free = observation.view.sees_through(
+        middle + np.outer(options.above_m, observation.up), observation.options.body.before_m
     )
     return float(height[highest].min()) if free.all() else None
 

@@ -55,19 +55,23 @@ def strides(observation: PersonObservation, people: Sequence[Person]) -> F64:
     point = np.full(len(view.depth), -1, np.int32)
     point[view.cells.cell[cells.indices]] = np.arange(len(cells.indices), dtype=np.int32)
     tints = np.empty((0, 3), np.float32) if observation.tints is None else observation.tints
-    lens, loose = view.camera.pixels, view.marked(cells.indices)
-    picture = Picture(lens, view.T_lens_world, view.depth, loose, point, tints)
-    depth = [float(np.median(view.project(f.xyz).depth)) for f in people]
+    loose = view.marked(cells.indices)
+    pictures = [
+        Picture(sight.lens.pixels, view.T_lens_world, view.depth, loose, point, tints)
+        for sight in view.sights
+        if sight.lens is not None
+    ]
+    depth = [float(np.median(view.range_to(f.xyz))) for f in people]
     found = np.zeros((len(people), 3))
     for k in sorted(range(len(people)), key=lambda k: (people[k].frames_unseen > 0, depth[k])):
-        found[k] = _stride(observation, people[k], picture)
+        found[k] = _stride(observation, people[k], pictures)
         reach = observation.options.step.own_cells * cells.size
         own = close_to(cells.middle, people[k].xyz + found[k], reach)[cells.cell]
         loose[view.cells.cell[cells.indices[own]]] = False
     return found
 
 
-def _stride(observation: PersonObservation, person: Person, picture: Picture) -> F64:
+def _stride(observation: PersonObservation, person: Person, pictures: Sequence[Picture]) -> F64:
     options = observation.options.step
     varies = options.stride_m + options.stride_share * float(np.linalg.norm(person.step))
     varies += options.stride_m_per_frame * min(person.frames_unseen, options.max_unseen_frames)
@@ -87,7 +91,7 @@ def _stride(observation: PersonObservation, person: Person, picture: Picture) ->
         np.float32(options.other_colour),
     )
     nearest_m = observation.options.lens.nearest_m
-    cost = _mean_costs(picture, xyz, colour, tried, costs, nearest_m)
+    cost = sum(_mean_costs(each, xyz, colour, tried, costs, nearest_m) for each in pictures)
     total = options.evidence_weight * cost + (right**2 + ahead**2) / 2
     return np.asarray(tried[total.argmin()])
 

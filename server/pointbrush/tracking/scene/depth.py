@@ -168,7 +168,7 @@ class ImageBackground:
         scene[count < max(options.min_showing_frames, options.seldom_share * (1 + len(others)))] = (
             np.nan
         )
-        shape = first.camera.shape
+        shape = first.image_shape
         known = np.isfinite(scene)
         for points in first.labels.values():
             known[first.cells.cell[points]] = False
@@ -218,7 +218,7 @@ class ImageBackground:
     def _before(self, view: View) -> F32:
         """Return the depth (cells + 1,) below which a point is in front of the scene."""
         if self.nearest is None:
-            self.nearest = least(self._known, view.camera.shape, self.noise)
+            self.nearest = least(self._known, view.image_shape, self.noise)
         return self.nearest
 
     @property
@@ -252,16 +252,21 @@ class ImageBackground:
         self.depth[labelled & (seen > self.depth + limit)] = np.nan
         labelled |= self.held.learn(seen, self.owner, limit, self._known, options=options)
         if keep is not None and len(keep):
-            labelled[view.project(keep).cell] = True
+            for cell, _ in view.project(keep):
+                labelled[cell] = True
             labelled[-1] = False
         if first:
-            beyond = drawn_on(seen[:-1], view.camera.shape, labelled[:-1], options=options)
-            self.hidden = np.append(beyond, np.float32(np.nan))
+            width = view.image_shape[1]
+            beyond = [
+                drawn_on(seen[cells], (len(seen[cells]) // width, width), labelled[cells], options)
+                for cells in view.pictures
+            ]
+            self.hidden = np.append(np.concatenate(beyond), np.float32(np.nan))
         self.previous = view.depth
         count_static_frames(self.anchor, self.age, seen, limit)
         if not first and labelled[:-1].any():  # the last entry is outside the picture
             # Missed points at an object's rim must not become background.
-            image = labelled[:-1].reshape(view.camera.shape)
+            image = labelled[:-1].reshape(view.image_shape)
             rows, columns = np.flatnonzero(image.any(1)), np.flatnonzero(image.any(0))
             top, left = (max(rows[0] - options.rim_px, 0), max(columns[0] - options.rim_px, 0))
             part = image[

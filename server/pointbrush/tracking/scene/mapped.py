@@ -184,7 +184,7 @@ def _least(view: View, image: F32) -> F32:
 
 def _visibility_flags(view: View, seen: _Around, at: F64, noise: DepthNoise) -> NDArray[np.int64]:
     """Return (3, M) flags of places (M, 3): inside the picture, on a surface, seen through."""
-    cell, depth = view.project(at)
+    cell, depth = view.project(at)[0]
     limit = view.options.background.near_sigmas * noise(depth)
     through = seen.least[cell] > depth + limit
     shown = ~through & (seen.most[cell] > depth - limit)
@@ -200,7 +200,7 @@ def _about(at: F64, first: View, noise: DepthNoise) -> Mask:
     options = first.options
     if not first.labels:
         return np.zeros(len(at), np.bool_)
-    cell, depth = first.project(at)
+    cell, depth = first.project(at)[0]
     lengths = {n: float(np.ptp(first.xyz[own], axis=0).max()) for n, own in first.labels.items()}
     labelled, there = np.zeros(len(first.depth), np.bool_), np.zeros(len(at), np.bool_)
     for label, own in first.labels.items():

@@ -27,6 +27,7 @@ from pointbrush.tracking.sensors.camera import Lens, find_lens, steadied
 from pointbrush.tracking.sensors.examination import lens_at_rest
 from pointbrush.tracking.sensors.scan_odometry import find_trajectory
 from pointbrush.tracking.sensors.scanner import find_eye, range_image_of
+from pointbrush.tracking.sensors.sights import Lenses, find_lenses, mounted_alike
 from pointbrush.tracking.sensors.trajectory import Trajectory
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.sensors.visual_odometry import framed
@@ -61,10 +62,16 @@ class Scene:
         self._following = dict(pairwise(order))
         self._ready: tuple[int, Future[View]] | None = None
         first, *others = (frames(order[at]) for at in (0, len(order) // 2, -1))
-        self.lens: Lens | None = lens_at_rest(first, others, known, options=options)
+        self.lens: Lens | Lenses | None = lens_at_rest(first, others, known, options=options)
         self._way: Trajectory | None = None
         self._about: F64 | None = None
-        if self.lens is None:
+        self._mounts_move = False
+        if first.sensor is not None:
+            least = options.scan_odometry.rest_pose
+            self._mounts_move = not mounted_alike(first, others, least)
+            self._way = find_trajectory(frames, order, at_rest=known.at_rest, options=options)
+            self.lens = find_lenses([first, *others], options=options)
+        elif self.lens is None:
             self._way = find_trajectory(
                 frames, order, painted, at_rest=known.at_rest, options=options
             )
@@ -80,22 +87,22 @@ class Scene:
             self.background = self._picture_background(self.lens, painted)
         self._reach = reach
 
-    def _picture_background(self, lens: Lens, painted: I64 | None) -> ImageBackground:
-        """Return the background of a depth camera at rest, with noise measured on two frames."""
+    def _picture_background(self, lens: Lens | Lenses, painted: I64 | None) -> ImageBackground:
+        """Return the background of depth cameras at rest, with noise measured on two frames."""
         depth, options = self._beside(painted), self.options
         if len(self._order) > 1:
             noise = measure_noise(depth, self._look(self._order[1]).depth, options=options.noise)
             # A figure cut out of its room may have no static point.
             far = np.nanmedian(depth, keepdims=True)
             calm = noise(far) < default_noise(options.noise)(far)
-            if calm or framed(self.first.frame, lens, options=options):
+            if calm or (isinstance(lens, Lens) and framed(self.first.frame, lens, options=options)):
                 self._noise = noise
         unknown = np.full_like(depth, np.nan)
         return ImageBackground(options, self._noise, unknown, unknown)
 
     def _steady_it(self) -> None:
         """Treat a swaying depth camera as a camera at rest."""
-        if self.lens is None or self._way is None:
+        if not isinstance(self.lens, Lens) or self._way is None:
             return
         some = [self._order[0], *self._apart()]
         way = self._way.over(some)
@@ -141,10 +148,13 @@ class Scene:
         return view
 
     def _look(self, number: int) -> View:
+        frame, lens = self._frames(number), self.lens
+        if self._mounts_move and lens is not None:
+            lens = find_lenses([frame], options=self.options)
         return View(
             number,
-            self._frames(number),
-            self.lens,
+            frame,
+            lens,
             self.options,
             self._pose(number),
             self._about,
@@ -167,7 +177,7 @@ class Scene:
 
     @property
     def _moves(self) -> bool:
-        return self._way is not None and not self._steady
+        return self._mounts_move or (self._way is not None and not self._steady)
 
     def _pose(self, number: int) -> F64 | None:
         return None if self._way is None else self._way.pose(number)
@@ -183,7 +193,7 @@ class Scene:
 
         ``survey``: learn the scene behind large objects from the whole recording.
         """
-        if survey and self.lens is not None and self._moves:
+        if survey and isinstance(self.lens, Lens) and self._moves:
             self.background = self._charted()
         if not isinstance(self.background, ImageBackground):
             self.background.learn(self.first, first=True)

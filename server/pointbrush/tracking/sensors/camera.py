@@ -38,7 +38,8 @@ class Lens:
     """A pixel grid of directions from ``eye`` (3,), looking along ``sign`` × ``axis``.
 
     ``turn`` (3, 3): rotation from the frame's axes to the image's, None if they are equal;
-    ``lattice``: whether its pixels are the sensor's own, with one point each.
+    ``lattice``: whether its pixels are the sensor's own, with one point each.  The image is a part
+    of a depth image with rows of ``stride`` cells, from cell ``start``; by default it is all of it.
     """
 
     eye: F32
@@ -49,6 +50,8 @@ class Lens:
     pitch: tuple[float, float]
     shape: tuple[int, int]
     lattice: bool = True
+    start: int = 0
+    stride: int | None = None
 
     def cells(self, xyz: F32, options: LensOptions) -> Projection:
         """Project points (N, 3) into the image."""
@@ -74,7 +77,18 @@ class Lens:
         turn = np.eye(3, dtype=np.float32) if self.turn is None else self.turn
         x, y, z = self.eye.tolist()
         axes = across, down, self.axis
-        return Pixels((x, y, z), turn, axes, self.sign, self.least, self.pitch, *self.shape)
+        stride = self.stride or self.shape[1]
+        return Pixels(
+            (x, y, z),
+            turn,
+            axes,
+            self.sign,
+            self.least,
+            self.pitch,
+            *self.shape,
+            self.start,
+            stride,
+        )
 
 
 class Pixels(NamedTuple):
@@ -88,6 +102,8 @@ class Pixels(NamedTuple):
     pitch: tuple[float, float]
     height: int
     width: int
+    start: int
+    stride: int
 
 
 @innermost
@@ -106,7 +122,7 @@ def pixel(lens: Pixels, at: tuple[float, float, float], nearest_m: float) -> tup
     u = (local[lens.axes[0]] / depth - lens.least[0]) / lens.pitch[0] + 0.5
     v = (local[lens.axes[1]] / depth - lens.least[1]) / lens.pitch[1] + 0.5
     if u >= 0 and u < lens.width and v >= 0 and v < lens.height:
-        return int(v) * lens.width + int(u), depth
+        return lens.start + int(v) * lens.stride + int(u), depth
     return -1, depth
 
 
@@ -121,7 +137,7 @@ def _cells(lens: Pixels, xyz: F32, nearest_m: float) -> tuple[I32, F32]:
 def find_lens(
     frame: TrackFrame, *, moves: bool = False, place: F64 | None = None, options: TrackerOptions
 ) -> Lens | None:
-    """Return the pixel grid of a pinhole-like frame; None if it has none.
+    """Return the pixel grid of a pinhole-like frame; None if it has none, or several sensors.
 
     The grid comes from the import or is estimated from the points.  ``place`` (3,): assumed
     position of a sensor without a recorded one, by default the origin.  For a sensor that ``moves``
@@ -129,10 +145,10 @@ def find_lens(
     better as a range image.
     """
     xyz = np.asarray(frame.xyz)
-    if len(xyz) < options.lens.min_points:
+    if len(xyz) < options.lens.min_points or frame.sensor is not None:
         return None
     if frame.lattice is not None:
-        return _imported_lens(frame.lattice, options=options.lens)
+        return imported_lens(frame.lattice, options=options.lens)
     is_recorded = frame.viewpoint is not None
     supposed = np.zeros(3) if place is None else place
     eye = np.asarray(frame.viewpoint if is_recorded else supposed, np.float64)
@@ -179,7 +195,7 @@ def _in_image_axes(
     return None if along is None else (turned, along, turn)
 
 
-def _imported_lens(lattice: PixelLattice, options: LensOptions) -> Lens:
+def imported_lens(lattice: PixelLattice, options: LensOptions) -> Lens:
     """Return the pixel grid found by the import, with a margin around the image."""
     margin = options.margin_px
     least, up = (

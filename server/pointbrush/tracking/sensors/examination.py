@@ -212,6 +212,7 @@ def _has_no_position(frame: TrackFrame, options: TrackerOptions) -> bool:
     """Return whether a frame of a depth camera's range has no position, pose or pixel grid."""
     return (
         frame.viewpoint is None
+        and frame.sensor is None
         and frame.pose is None
         and reach_of(np.asarray(frame.xyz), options=options.range_image)
         <= options.range_image.camera_reach_m

@@ -336,7 +336,7 @@ def _of_one(frame: TrackFrame, options: TrackerOptions) -> bool:
     motion of a sensor.
     """
     xyz = np.asarray(frame.xyz)
-    return (
+    return frame.sensor is None and (
         frame.viewpoint is not None
         or reach_of(xyz, options=options.range_image) > options.range_image.camera_reach_m
         or find_eye(xyz, options=options) is not None

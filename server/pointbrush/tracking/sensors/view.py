@@ -28,6 +28,7 @@ from pointbrush.tracking.sensors.scanner import (
     range_image_of,
     reach_of,
 )
+from pointbrush.tracking.sensors.sights import Lenses, Sight, all_of, any_of
 
 WHITE = 765.0
 """Maximum sum of a colour's channels."""
@@ -39,7 +40,7 @@ class View:
 
     number: int
     frame: TrackFrame
-    lens: Lens | None
+    lens: Lens | Lenses | None
     options: TrackerOptions
     T_world_frame: F64 | None = None
     about: F64 | None = None
@@ -69,19 +70,61 @@ class View:
     def prepare(self) -> None:
         """Compute the properties shared by several threads."""
         _ = self.xyz, self.frame.rgb
-        _ = self.depth if self.lens is not None else (self.shade, self.ground)
+        _ = self.depth if self.lens is not None else (self.sights, self.ground)
 
     @cached_property
     def eye(self) -> F64 | None:
-        """Sensor position (3,) in the world, None if unknown."""
+        """Position (3,) of the only sensor in the world, None if unknown."""
         at = self.frame.viewpoint
-        if at is None and self.lens is not None:
+        if self.frame.sensor is not None:
+            return None
+        if at is None and isinstance(self.lens, Lens):
             return self.lens.eye.astype(np.float64)
         at = self.about if at is None else at
-        if at is None:
-            return None
+        return None if at is None else self._in_world(at)
+
+    def _in_world(self, at: F32 | F64) -> F64:
         T = self.T_world_lens
         return np.asarray(at if T is None else T[:3, :3] @ at + T[:3, 3], np.float64)
+
+    @cached_property
+    def sights(self) -> tuple[Sight, ...]:
+        """The frame's sensors.  Of several, those that show which points are occluded, if any."""
+        if self.frame.sensor is None:
+            lens = self.lens if isinstance(self.lens, Lens) else None
+            return (Sight(self.eye, lens, self.shade if lens is None else None),)
+        if isinstance(self.lens, Lenses):
+            present = {part.sensor for part in self.frame.parts} & self.lens.of.keys()
+            lenses = [self.lens.of[number] for number in sorted(present or self.lens.of)]
+            return tuple(Sight(self._in_world(lens.eye), lens) for lens in lenses)
+        found = []
+        for part in self.frame.parts:
+            own, eye = self.frame.sensor == part.sensor, self._in_world(part.viewpoint)
+            shade = range_image_of(self.xyz[own], eye, options=self.options)
+            if shade is not None:
+                found.append(Sight(eye, shade=shade))
+        return tuple(found) or (Sight(None),)
+
+    @cached_property
+    def points_by_sensor(self) -> list[Mask]:
+        """A mask (N,) of the points of each sensor that has some."""
+        if self.frame.sensor is None:
+            return [np.ones(len(self.xyz), np.bool_)]
+        return [self.frame.sensor == number for number in np.unique(self.frame.sensor)]
+
+    def eyes_of(self, points: I64) -> F64 | None:
+        """Return positions (1, 3) or (M, 3) of the sensors of some points; None: unknown."""
+        if self.frame.sensor is None:
+            return None if self.eye is None else self.eye[None]
+        eyes = np.zeros((int(self.frame.sensor.max(initial=0)) + 1, 3))
+        for part in self.frame.parts:
+            eyes[part.sensor] = self._in_world(part.viewpoint)
+        return np.asarray(eyes[self.frame.sensor[points]])
+
+    def sensor_distance(self, at: F64) -> float | None:
+        """Return metres from a position (3,) to the nearest sensor; None: unknown."""
+        eyes = [sight.eye for sight in self.sights if sight.eye is not None]
+        return min((float(np.linalg.norm(at - eye)) for eye in eyes), default=None)
 
     def box(self, lo: F64, hi: F64) -> I64:
         """Return sorted indices of the points inside a box of the world."""
@@ -108,13 +151,27 @@ class View:
 
     @property
     def camera(self) -> Lens:
-        """The lens of a frame with a depth image.
+        """The lens of a frame with a depth image, the first of several.
 
         Raises RuntimeError if the frame has none.
         """
         if self.lens is None:
             raise RuntimeError(f"frame {self.number}: expected a depth image, its sensor has none")
-        return self.lens
+        return self.lens if isinstance(self.lens, Lens) else next(iter(self.lens.of.values()))
+
+    @property
+    def image_shape(self) -> tuple[int, int]:
+        """Rows and columns of the depth image, which several cameras share; needs a camera."""
+        return self.camera.shape if self.lens is None else self.lens.shape
+
+    @property
+    def pictures(self) -> list[slice]:
+        """The cells of each camera's rows in the depth image; needs a camera."""
+        rows, width = self.image_shape
+        if not isinstance(self.lens, Lenses):
+            return [slice(0, rows * width)]
+        starts = [lens.start for lens in self.lens.of.values()]
+        return [slice(a, b) for a, b in zip(starts, [*starts[1:], rows * width], strict=True)]
 
     @property
     def T_world_lens(self) -> F64 | None:  # noqa: N802  (named for its direction)
@@ -142,15 +199,15 @@ class View:
     @cached_property
     def cells(self) -> Projection:
         """Projection of every point (N,) into the depth image; needs a camera."""
-        return self.camera.cells(
-            self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32),
-            options=self.options.lens,
-        )
+        xyz = self.xyz if self.steady else np.asarray(self.frame.xyz, np.float32)
+        if isinstance(self.lens, Lenses):
+            return self.lens.cells(xyz, self.frame, options=self.options)
+        return self.camera.cells(xyz, options=self.options.lens)
 
     @cached_property
     def depth(self) -> F32:
         """(cells + 1,) depth image, NaN where unmeasured and in the last entry."""
-        height, width = self.camera.shape
+        height, width = self.image_shape
         image = np.full(height * width + 1, np.nan, np.float32)
         cell, depth = self.cells
         image[cell] = depth
@@ -165,11 +222,11 @@ class View:
 
     def around(self, points: I64) -> Mask:
         """Return a mask (cells,) of the pixels of ``points`` and of adjacent pixels."""
-        return widened(self.marked(points)[:-1].reshape(self.camera.shape), 1).ravel()
+        return widened(self.marked(points)[:-1].reshape(self.image_shape), 1).ravel()
 
     @cached_property
     def shade(self) -> RangeImage | None:
-        """Range image in the world, for frames without a depth image."""
+        """Range image of the only sensor in the world, for frames without a depth image."""
         return (
             None if self.eye is None else range_image_of(self.xyz, self.eye, options=self.options)
         )
@@ -206,7 +263,8 @@ class View:
         if self.lens is not None:
             return False
         return self.T_world_frame is not None or (
-            self.eye is None and self._reach > self.options.range_image.camera_reach_m
+            all(sight.eye is None for sight in self.sights)
+            and self._reach > self.options.range_image.camera_reach_m
         )
 
     @cached_property
@@ -218,12 +276,13 @@ class View:
         """
         if self.lens is not None:
             return "camera"
-        scans = (
-            self.roams
-            or self.shade is not None
-            or self._reach > self.options.range_image.camera_reach_m
-        )
+        scans = self.roams or self.shaded or self._reach > self.options.range_image.camera_reach_m
         return "lidar" if scans else "room"
+
+    @property
+    def shaded(self) -> bool:
+        """Whether range images show which points are occluded."""
+        return any(sight.shade is not None for sight in self.sights)
 
     @property
     def scans(self) -> bool:
@@ -250,23 +309,45 @@ class View:
                 firm &= ~(np.abs(other - depth) > step)
         return firm
 
-    def project(self, world: F64) -> Projection:
-        """Project points (M, 3) of the world into the depth image; needs a camera."""
+    def project(self, world: F64) -> list[Projection]:
+        """Project points (M, 3) of the world into the depth image of each camera; needs one."""
         local = world if self.T_world_lens is None else transform(self.T_lens_world, world)
-        return self.camera.cells(local.astype(np.float32), options=self.options.lens)
+        xyz, lenses = local.astype(np.float32), (sight.lens for sight in self.sights)
+        return [lens.cells(xyz, options=self.options.lens) for lens in lenses if lens is not None]
+
+    def range_to(self, world: F64) -> F32:
+        """Return (M,) depths of positions (M, 3) before the nearest camera that shows them."""
+        first, *others = self.project(world)
+        depth = first.depth
+        for cell, farther in others:
+            depth = np.where((cell >= 0) & (farther < depth), farther, depth)
+        return depth
 
     def hides(self, world: F64, margin: float) -> Mask:
-        """Mark the positions (M, 3) outside the picture, or more than ``margin`` metres behind its
-        depth; needs a camera."""
-        cell, depth = self.project(world)
+        """Mark the positions (M, 3) that no camera can see; needs a camera.
+
+        They are outside its picture, or more than ``margin`` metres behind its depth.
+        """
+        return all_of(self.hidden_from(world, margin))
+
+    def hidden_from(self, world: F64, margin: float) -> list[Mask]:
+        """Mark the positions (M, 3) that each camera cannot see; see ``hides``."""
         with np.errstate(invalid="ignore"):
-            return np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
+            return [
+                np.asarray((self.depth[cell] < depth - margin) | (cell < 0))
+                for cell, depth in self.project(world)
+            ]
 
     def sees_through(self, world: F64, margin: float) -> Mask:
-        """Mark the positions (M, 3) more than ``margin`` metres in front of the picture's depth."""
-        cell, depth = self.project(world)
+        """Mark the positions (M, 3) more than ``margin`` metres in front of a picture's depth."""
+        return any_of(self.seen_through_from(world, margin))
+
+    def seen_through_from(self, world: F64, margin: float) -> list[Mask]:
+        """Mark the positions (M, 3) that each camera sees through; see ``sees_through``."""
         with np.errstate(invalid="ignore"):
-            return np.asarray(self.depth[cell] > depth + margin)
+            return [
+                np.asarray(self.depth[cell] > depth + margin) for cell, depth in self.project(world)
+            ]
 
 
 @compiled

@@ -81,14 +81,13 @@ class Search:
         return look(self.track, self.view, self.few, self.hypotheses, self.own)
 
     @cached_property
-    def own(self) -> I64 | None:
-        """Directions in which measurements may be the object itself.
+    def own(self) -> list[I64] | None:
+        """By sensor, directions in which measurements may be the object itself.
 
         It must not count as occluded by itself if it is nearer than predicted.
         """
-        if self.view.lens is not None or self.view.shade is None:
-            return None
-        return self.view.shade.towards(self.target.xyz)
+        shades = [sight.shade for sight in self.view.sights if sight.shade is not None]
+        return [shade.towards(self.target.xyz) for shade in shades] or None
 
     @property
     def best(self) -> F64:

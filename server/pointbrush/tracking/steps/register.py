@@ -143,7 +143,7 @@ def _rests(search: Search, pose: F64, score: float) -> bool:
     """
     options = search.options.register
     track, last = search.track, search.track.motion.resting_pose
-    if track.stands and search.view.shade is not None and _hidden(search, last):
+    if track.stands and search.view.shaded and _hidden(search, last):
         return True  # a similar vehicle passing in front of a parked car is not that car
     if track.bends:
         return False

@@ -13,6 +13,7 @@ from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.sights import any_of
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import Association, Associations
 from pointbrush.tracking.steps.claim import Claim
@@ -75,8 +76,8 @@ def _hidden_at_rest(track: Track, view: View) -> bool:
     count = len(track.model.xyz)
     some = np.arange(0, count, max(1, count // options.search.coarse_points))
     at = look(track, view, some, track.motion.resting_pose[None])
-    cell, _ = view.project(at.world[0])
-    shown = at.seen[0] & np.isfinite(view.depth[cell])
+    measured = any_of(np.isfinite(view.depth[cell]) for cell, _ in view.project(at.world[0]))
+    shown = at.seen[0] & measured
     return float(shown.mean()) < options.register.open_share * float(at.facing[0])
 
 

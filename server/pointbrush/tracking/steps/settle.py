@@ -132,9 +132,11 @@ def settle(
     if not _seen(track, view, fit, verdict) or hides(track, view, fit, given, verdict.inliers):
         return Outcome(_unseen(track, fit.pose, verdict, track_options), no_points())
     track.frames_unseen = 0
-    if track.scanned and view.eye is not None:
+    if track.scanned:
         at = transform(fit.pose, track.motion.centre[None])[0]
-        track.set_distance(float(np.linalg.norm(at - view.eye)))
+        distance = view.sensor_distance(at)
+        if distance is not None:
+            track.set_distance(distance)
     observation = Observation(view, fit, given, verdict)
     points = together(claim.indices, given.grown)
     features = evidence(track, observation, points)

@@ -14,6 +14,7 @@ from pointbrush.tracking.model.motion import Motion
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.model.surface import Model
 from pointbrush.tracking.model.track import OtherMovers, Track, begin
+from pointbrush.tracking.sensors.sights import any_of
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.association import LabelledPoints
 from pointbrush.tracking.steps.claim import Claim, claim, painted_with_flying
@@ -89,7 +90,7 @@ def _rebuild_model(track: Track, observation: Observation) -> None:
     new = Model.of(
         xyz,
         view.colour(points),
-        _eye_of(back, view),
+        _eyes_of(back, view, points),
         before.spacing,
         options.surface,
         options.surface.max_points_bent,
@@ -121,7 +122,7 @@ def _gather(track: Track, observation: Observation, was_rigid: bool) -> None:
     colour = view.colour(claim.indices)
     # Objects scanned by a moving lidar show new sides and are not held.
     sure = track.distinct(colour) | (given.isolated or view.roams)
-    own_eye = _eye_of(back, view)
+    own_eye = _eyes_of(back, view, claim.indices)
     track.model.gather(xyz, colour, claim.gap, claim.nearest, own_eye, sure)
 
 
@@ -152,9 +153,10 @@ def _updated_claim(track: Track, observation: Observation, number: I64) -> Claim
     )
 
 
-def _eye_of(back: F64, view: View) -> F64 | None:
-    """Return the sensor position (3,) in the model's coordinates; None: unknown."""
-    return None if view.eye is None else transform(back, view.eye[None])[0]
+def _eyes_of(back: F64, view: View, points: I64) -> F64 | None:
+    """Return ``View.eyes_of`` some points in the model's coordinates."""
+    eyes = view.eyes_of(points)
+    return None if eyes is None else transform(back, eyes)
 
 
 def note_looseness(track: Track, observation: Observation) -> None:
@@ -193,7 +195,7 @@ def bent_share(track: Track, observation: Observation) -> float:
     """Return the share of the known surface that bending explains and a rigid motion does not."""
     options = track.options
     model, view, fit = track.model, observation.view, observation.fit
-    facing = model.facing(fit.pose[None], view.eye)[0]
+    facing = any_of(model.facing(fit.pose[None], sight.eye)[0] for sight in view.sights)
     known = np.flatnonzero(
         facing & ~observation.verdict.hidden & (model.hits >= options.surface.sure_hits)
     )
@@ -237,7 +239,6 @@ def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
     options = view.options.strain
     if view.lens is None:
         return np.zeros(len(world), np.bool_)
-    cell, depth = view.project(world)
     steps = np.array(
         [
             row * view.lens.shape[1] + column
@@ -245,10 +246,13 @@ def _beside_another(view: View, world: F64, own: I64, step: float) -> Mask:
             for column in options.outline_offsets_px
         ]
     )
-    around = np.clip(cell[:, None] + steps, 0, len(view.depth) - 1)
-    with np.errstate(invalid="ignore"):
-        nearer = view.depth[around] < depth[:, None] - step
-    return np.asarray((nearer & ~view.marked(own)[around]).any(axis=1))
+    mine, found = view.marked(own), np.zeros(len(world), np.bool_)
+    for cell, depth in view.project(world):
+        around = np.clip(cell[:, None] + steps, 0, len(view.depth) - 1)
+        with np.errstate(invalid="ignore"):
+            nearer = view.depth[around] < depth[:, None] - step
+        found |= (nearer & ~mine[around]).any(axis=1)
+    return found
 
 
 def begin_label(
@@ -303,10 +307,10 @@ def correct_track(track: Track, view: View, points: I64) -> F64 | None:
         _unpainted_model_points(track, view, fit, points) & (model.hits < options.surface.sure_hits)
     )
     back = inverse(fit.pose)
-    eye = None if view.eye is None else transform(back, view.eye[None])[0]
     found = claim(view, points, transform(fit.pose, model.xyz), model.colour, 0.0, reach)
     xyz = transform(back, view.xyz[found.indices].astype(np.float64))
-    model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eye, sure=True)
+    eyes = _eyes_of(back, view, found.indices)
+    model.gather(xyz, view.colour(found.indices), found.gap, found.nearest, eyes, sure=True)
     track.motion = track.motion.add(fit.pose)
     track.last = replace(track.last, points=len(points))
     track.size = max(track.size, float(len(points)))
@@ -318,7 +322,8 @@ def _unpainted_model_points(track: Track, view: View, fit: Registration, points:
     """Mark the model points that are visible but not painted, such as points of a hand."""
     options = track.options.verdict
     painted = close_to(fit.world, view.xyz[points], options.surface_units * track.unit)
-    denied = ~painted & track.model.facing(fit.pose[None], view.eye)[0]
-    if view.lens is not None:
-        denied &= ~view.hides(fit.world, options.hidden_units * track.unit)
-    return np.asarray(denied)
+    sides = [track.model.facing(fit.pose[None], sight.eye)[0] for sight in view.sights]
+    if view.lens is None:
+        return np.asarray(~painted & any_of(sides))
+    hidden = view.hidden_from(fit.world, options.hidden_units * track.unit)
+    return ~painted & any_of(side & ~far for side, far in zip(sides, hidden, strict=True))

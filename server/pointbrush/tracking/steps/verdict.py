@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ from pointbrush.tracking.compute.rigid import Target, carried, transform_each
 from pointbrush.tracking.interface import F32, F64, I64, Mask
 from pointbrush.tracking.model.track import Track
 from pointbrush.tracking.sensors.camera import Pixels, pixel
+from pointbrush.tracking.sensors.sights import Sight, all_of, any_of
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim
 
@@ -32,34 +34,48 @@ class Look(NamedTuple):
     facing: F64
 
 
-def look(track: Track, view: View, sample: I64, poses: F64, own: I64 | None = None) -> Look:
+def look(
+    track: Track, view: View, sample: I64, poses: F64, own: Sequence[I64] | None = None
+) -> Look:
     """Project ``sample`` (M,) model points at ``poses`` (K, 4, 4) into the frame.
 
-    ``own``: directions of ``View.shade`` in which measurements may be the object itself and do not
-    occlude it.
+    ``own``: by sensor, directions of its range image in which measurements may be the object itself
+    and do not occlude it.
     """
-    options = track.options
     world = transform_each(poses, track.model.xyz[sample])
-    facing = track.model.facing(poses, view.eye, sample)
-    seen, through = facing, np.zeros(facing.shape, np.bool_)
-    if view.lens is not None:
-        seen, through = _compare_with_frame(
-            view.lens.pixels,
+    looks = []
+    for number, sight in enumerate(view.sights):
+        facing = track.model.facing(poses, sight.eye, sample)
+        directions = None if own is None else own[number]
+        looks.append((facing, *_seen_from(track, view, sight, world, facing, directions)))
+    facing, seen, through = map(any_of, zip(*looks, strict=True))
+    share = facing.sum(axis=1) / max(len(sample), 1)
+    return Look(world, seen, through, share)
+
+
+def _seen_from(
+    track: Track, view: View, sight: Sight, world: F64, facing: Mask, own: I64 | None
+) -> tuple[Mask, Mask]:
+    """Mark the points (K, M, 3) that are ``facing`` a sensor and visible to it, and the
+    seen-through ones; see ``look``."""
+    options = track.options
+    by = options.register.occlusion_units * track.unit
+    if sight.lens is not None:
+        return _compare_with_frame(
+            sight.lens.pixels,
             view.T_lens_world,
             view.depth,
             world,
             facing,
-            options.register.occlusion_units * track.unit,
+            by,
             options.lens.nearest_m,
         )
-    elif view.shade is not None:
-        size = options.register.nearer_radii * track.model.radius
-        hidden = view.shade.hides(
-            world.reshape(-1, 3), options.register.occlusion_units * track.unit, own, size
-        )
-        seen = facing & ~hidden.reshape(facing.shape)
-    share = facing.sum(axis=1) / max(len(sample), 1)
-    return Look(world, seen, through, share)
+    through = np.zeros(facing.shape, np.bool_)
+    if sight.shade is None:
+        return facing, through
+    size = options.register.nearer_radii * track.model.radius
+    hidden = sight.shade.hides(world.reshape(-1, 3), by, own, size)
+    return facing & ~hidden.reshape(facing.shape), through
 
 
 def costs_of(track: Track, target: Target, sample: I64, at: Look, scale: float) -> F64:
@@ -142,6 +158,16 @@ class Verdict:
     visible: float
 
 
+def _hidden(sides: Sequence[Mask], occluded: Sequence[Mask]) -> Mask:
+    """Mark the points (M,) that no sensor sees.
+
+    Each sensor does not face it or has it ``occluded``; a point that faces none is occluded for
+    all.
+    """
+    seen = any_of(a & ~b for a, b in zip(sides, occluded, strict=True))
+    return ~seen & (any_of(sides) | all_of(occluded))
+
+
 def judge(
     track: Track, view: View, pose: F64 | None, world: F64 | None, found: Claim | None
 ) -> Verdict:
@@ -154,7 +180,8 @@ def judge(
     nothing = np.zeros(n, np.bool_)
     if pose is None or world is None or found is None:
         return Verdict(False, 0.0, 0.0, nothing, nothing, 0.0)
-    facing = track.model.facing(pose[None], view.eye)[0]
+    sides = [track.model.facing(pose[None], sight.eye)[0] for sight in view.sights]
+    facing = any_of(sides)
     matched = nothing.copy()
     if len(found.indices):
         reach = options.surface_units * track.unit
@@ -163,12 +190,14 @@ def judge(
         matched[rest] = close_to(world[rest], view.xyz[found.indices], reach)
     hidden = through = nothing
     if view.lens is not None:
-        hidden = view.hides(world, options.hidden_units * track.unit) & ~matched
-        through = (
-            view.sees_through(world, options.seen_through_units * track.unit) & ~matched & facing
-        )
-    elif view.shade is not None:
-        hidden = view.shade.hides(world, options.hidden_units * track.unit) & ~matched
+        hidden = _hidden(sides, view.hidden_from(world, options.hidden_units * track.unit))
+        beyond = view.seen_through_from(world, options.seen_through_units * track.unit)
+        through = any_of(a & b for a, b in zip(sides, beyond, strict=True)) & ~matched
+    elif view.shaded:
+        shades = [sight.shade for sight in view.sights if sight.shade is not None]
+        far = [shade.hides(world, options.hidden_units * track.unit) for shade in shades]
+        hidden = _hidden(sides, far)
+    hidden = hidden & ~matched
     expected = facing & ~hidden
     if expected.sum() < options.min_facing_points:
         expected = ~hidden

@@ -46,6 +46,8 @@ class _Frame:
     pose: NDArray[np.float64] | None = None
     intensity: None = None
     lattice: None = None
+    sensor: None = None
+    parts: tuple[()] = ()
 
     @property
     def rgb(self) -> NDArray[np.uint8] | None:
