@@ -71,11 +71,7 @@ class SensorPart(Protocol):
 
     @property
     def T_frame_sensor(self) -> F64:  # noqa: N802  (named for its direction)
-        """(4, 4) the sensor's mount, in local metres."""
-
-    @property
-    def viewpoint(self) -> F64:
-        """(3,) the sensor's position, in local metres."""
+        """(4, 4) its mount: its coordinates to local metres."""
 
     @property
     def lattice(self) -> PixelLattice | None:

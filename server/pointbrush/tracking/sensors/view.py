@@ -99,7 +99,7 @@ class View:
             return tuple(Sight(self._in_world(lens.eye), lens) for lens in lenses)
         found = []
         for part in self.frame.parts:
-            own, eye = self.frame.sensor == part.sensor, self._in_world(part.viewpoint)
+            own, eye = self.frame.sensor == part.sensor, self._in_world(part.T_frame_sensor[:3, 3])
             shade = range_image_of(self.xyz[own], eye, options=self.options)
             if shade is not None:
                 found.append(Sight(eye, shade=shade))
@@ -118,7 +118,7 @@ class View:
             return None if self.eye is None else self.eye[None]
         eyes = np.zeros((int(self.frame.sensor.max(initial=0)) + 1, 3))
         for part in self.frame.parts:
-            eyes[part.sensor] = self._in_world(part.viewpoint)
+            eyes[part.sensor] = self._in_world(part.T_frame_sensor[:3, 3])
         return np.asarray(eyes[self.frame.sensor[points]])
 
     def sensor_distance(self, at: F64) -> float | None:
