@@ -54,6 +54,7 @@ from pointbrush.work.listing import Listing, Repaired
 from pointbrush.work.loops.running import Loops
 from pointbrush.work.objects.service import Objects
 from pointbrush.work.people import FIND
+from pointbrush.work.sensors import ALIGN
 from pointbrush.work.stroking import Strokes
 from pointbrush.work.tracking import TRACK
 
@@ -70,6 +71,7 @@ if TYPE_CHECKING:
     from pointbrush.work.projects.versions import Versions
     from pointbrush.work.reviewing.reviewing import Reviewing
     from pointbrush.work.scratch import Scratch
+    from pointbrush.work.sensors.aligning import Aligning
     from pointbrush.work.studies.service import Studies
     from pointbrush.work.tracking.runs import Runs
 
@@ -114,6 +116,7 @@ class Workspace:
             PREDICT: lambda job: self.predictions.restart(job),
             FIT: lambda job: self.fitting.restart(job),
             FIND: lambda job: self.people.restart(job),
+            ALIGN: lambda job: self.aligning.restart(job),
         }
         self.jobs = JobRegistry(
             self.labels,
@@ -217,6 +220,13 @@ class Workspace:
         from pointbrush.work.people.service import People
 
         return People(self._job_context)
+
+    @once
+    def aligning(self) -> Aligning:
+        """Return the service that aligns the sensors of a recording."""
+        from pointbrush.work.sensors.aligning import Aligning
+
+        return Aligning(self._job_context)
 
     @property
     def _object_folder(self) -> Path:

@@ -36,6 +36,7 @@ from pointbrush.values.labels import (
 from pointbrush.values.people import FoundPeople, LabelledPeople, PeopleSearch
 from pointbrush.values.recordings import Manifest, RecordingPatch
 from pointbrush.values.runs import Overwrite, Stretch, TrackingRequest
+from pointbrush.values.sensors import AlignedSensors, SensorAlignment
 from pointbrush.values.tracking import Run, Track
 
 
@@ -276,6 +277,31 @@ class Recording(Part[L]):
         job = str(uuid.uuid4())
         body = {"json": PeopleSearch(tuple_of(frames), True, job).to_json()}
         return started(job, Request("POST", f"{self._place}/people", body, patience=patience))
+
+    # ── sensors ──────────────────────────────────────────────────────────────────────────
+
+    @steps
+    def start_align_sensors(
+        self, frames: Sequence[int] | None = None, *, undo: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[Job]:  # fmt: skip
+        """Start to align sensors and return the job; arguments as of ``align_sensors``."""
+        return self._start("/sensors/align", SensorAlignment(tuple_of(frames), undo), patience)
+
+    @steps
+    def align_sensors(
+        self, frames: Sequence[int] | None = None, *, undo: bool = False, progress: bool = False,
+        patience: float = PATIENCE,
+    ) -> Steps[AlignedSensors]:  # fmt: skip
+        """Correct the mounts of the sensors by surfaces that several of them see, and wait.
+
+        ``frames`` None: some of the whole recording.  ``undo``: restore the mounts of before the
+        last alignment instead.  ``patience``: as of ``track``.
+        """
+        body = SensorAlignment(tuple_of(frames), undo)
+        job = yield from self._start("/sensors/align", body, patience)
+        result = yield from finished(job, progress=progress, patience=patience)
+        return read(AlignedSensors, result)
 
     # ── boxes ────────────────────────────────────────────────────────────────────────────
 

@@ -40,10 +40,11 @@ PRINTERS = (serving.demo, serving.serve, reviewing.review, completion, tools.ben
 """Verbs that print while they run; the others answer, as JSON with ``--json``."""
 VERBS = (
     serving.demo, importing.import_, importing.import_labels, serving.serve, labelling.track,
-    labelling.fit_boxes, labelling.find_people, labelling.example, exporting.export,
-    recordings.info, team.project, team.task, team.webhook, studying.study, recordings.undo,
-    team.token, reviewing.review, storage.check, reviewing.check_labels, reviewing.compare,
-    reviewing.report, recordings.labels, recordings.delete, recordings.undelete, recordings.rename,
+    labelling.fit_boxes, labelling.find_people, recordings.align_sensors, labelling.example,
+    exporting.export, recordings.info, team.project, team.task, team.webhook, studying.study,
+    recordings.undo, team.token, reviewing.review, storage.check, reviewing.check_labels,
+    reviewing.compare, reviewing.report, recordings.labels, recordings.delete,
+    recordings.undelete, recordings.rename,
     tools.headset_report, storage.backup, storage.restore, storage.move, completion, tools.bench,
 )  # fmt: skip
 """All verbs, in the order of the help."""

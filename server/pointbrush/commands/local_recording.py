@@ -81,6 +81,9 @@ class LocalRecording(Part):
     def start_find_people(self, frames: Sequence[int]) -> Job:
         return self.workspace.people.start(self.id, frames, author=AUTHOR)
 
+    def start_align_sensors(self, frames: Sequence[int] | None, *, undo: bool) -> Job:
+        return self.workspace.aligning.start(self.id, frames, author=AUTHOR, undo=undo)
+
     def start_label_import(
         self, files: Sequence[Path], *, map: str | None, dry_run: bool, **options: Any
     ) -> Job:

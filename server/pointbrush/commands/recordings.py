@@ -7,8 +7,15 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from pointbrush.commands.answers import Answer, confirmed, table
-from pointbrush.commands.arguments import ONE_OR_ALL, SEQUENCE, argument, verb
-from pointbrush.commands.places import Place
+from pointbrush.commands.arguments import (
+    FRAMES,
+    ONE_OR_ALL,
+    SEQUENCE,
+    argument,
+    switch,
+    verb,
+)
+from pointbrush.commands.places import Place, finished
 
 if TYPE_CHECKING:
     from pointbrush.client import Client, Manifest
@@ -32,6 +39,26 @@ def info(given: argparse.Namespace, place: Place) -> Answer:
     lines = [f"{name:10} {value}" for name, value in shown.items()]
     lines += [f"label {label.id:<4} {label.color} {label.name}" for label in palette]
     return Answer(facts | {"revision": known.revision, "labels": palette}, lines)
+
+
+@verb(
+    SEQUENCE,
+    FRAMES,
+    switch("--undo", "restore the mounts of before the last alignment"),
+)
+def align_sensors(given: argparse.Namespace, place: Place) -> Answer:
+    """Correct the mounts of several sensors by surfaces that they share."""
+    from pointbrush.work.exporting import parse_frames  # slow to import
+
+    recording = place[given.sequence]
+    frames = parse_frames(given.frames, len(recording.frames)) if given.frames else None
+    result = finished(place, recording.start_align_sensors(frames, undo=given.undo))
+    lines = [
+        f"{each['name']}\tmoved by {1000 * each['shift']:.1f} mm and {each['turn']:.2f}°\t"
+        f"{1000 * each['before']:.1f} → {1000 * each['after']:.1f} mm from shared surfaces"
+        for each in result["sensors"]
+    ]
+    return Answer(result, [*lines, result["message"]])
 
 
 def _listed(listed: Iterable[Manifest]) -> Answer:

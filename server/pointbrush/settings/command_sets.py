@@ -4,8 +4,9 @@ from __future__ import annotations
 
 SERVERS = ("demo", "serve")
 REMOTE = (
-    "import", "import-labels", "track", "fit-boxes", "find-people", "example", "export", "info",
-    "labels", "delete", "undelete", "rename", "check-labels", "compare", "report", "token",
+    "import", "import-labels", "track", "fit-boxes", "find-people", "align-sensors", "example",
+    "export", "info", "labels", "delete", "undelete", "rename", "check-labels", "compare", "report",
+    "token",
 )  # fmt: skip
 """Commands that work on the workspace of this machine, or on that of a server."""
 LOCAL = ("check", "backup", "restore", "review", "move")

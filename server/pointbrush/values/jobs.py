@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pointbrush.values.base import Meanings, Value
 
 JobKind = Annotated[
-    Literal["import", "tracking", "export", "prediction", "fitting"],
+    Literal["import", "tracking", "export", "prediction", "fitting", "alignment"],
     Meanings(
         {
             "import": "reads files of points or labels",
@@ -16,6 +16,7 @@ JobKind = Annotated[
             "export": "writes files",
             "prediction": "applies a classifier, or finds people",
             "fitting": "fits boxes",
+            "alignment": "aligns sensors",
         }
     ),
 ]

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = '95b124de4d3b';
+export const SCHEMA_HASH = 'e8c362c3f273';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -471,7 +471,7 @@ export interface Frame {
 export interface Job {
   type: 'job';
   id: string;
-  kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting';
+  kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting' | 'alignment';
   sequence: string | null;
   state: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
   progress: number;

@@ -735,8 +735,8 @@ export interface ImportedLabels {
 export interface Job {
   /** UUID of the job. */
   readonly id: string;
-  /** Kind of work. `import`: reads files of points or labels; `tracking`: carries labels to other frames; `export`: writes files; `prediction`: applies a classifier, or finds people; `fitting`: fits boxes */
-  readonly kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting';
+  /** Kind of work. `import`: reads files of points or labels; `tracking`: carries labels to other frames; `export`: writes files; `prediction`: applies a classifier, or finds people; `fitting`: fits boxes; `alignment`: aligns sensors */
+  readonly kind: 'import' | 'tracking' | 'export' | 'prediction' | 'fitting' | 'alignment';
   /** Id of its recording; null: an import without one yet. */
   readonly sequence: string | null;
   /** State of the work; the last three are final. `queued`: waits for a worker; `running`: at work; `done`: ended with a result; `failed`: ended with an error; `cancelled`: ended by a person */

@@ -326,7 +326,11 @@ def _corrected(
             f"corrections: expected one for each of {len(sensors)} sensors, got {len(corrections)}"
         )
     return [
-        replace(sensor, correction=require_rigid(f"correction of {sensor.name}", correction))
+        replace(
+            sensor,
+            correction=require_rigid(f"correction of {sensor.name}", correction),
+            previous=sensor.correction,
+        )
         for sensor, correction in zip(sensors, corrections, strict=True)
     ]
 

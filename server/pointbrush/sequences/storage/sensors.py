@@ -27,7 +27,8 @@ class StoredSensor:
     ``times``       seconds per frame, or None; ``points`` per frame.
     ``lo``, ``hi``  bounds over all frames, in its coordinates.
     ``correction``  row-major 4x4: a point of the sensor is at ``mount @ correction`` times its
-                    coordinates in the frame.  All other fields never change.
+                    coordinates in the frame.
+    ``previous``    correction before the last change, or None; all other fields never change.
     """
 
     name: str
@@ -39,6 +40,7 @@ class StoredSensor:
     lo: list[float]
     hi: list[float]
     correction: Matrix
+    previous: Matrix | None = None
 
     def imported_mount(self, frame: int) -> NDArray[np.float64]:
         """Return ``T_frame_sensor`` (4, 4) of a frame as it was imported."""

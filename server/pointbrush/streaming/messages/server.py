@@ -265,7 +265,7 @@ class Job(Message):
 
     type: Literal["job"] = "job"
     id: Id
-    kind: Literal["import", "tracking", "export", "prediction", "fitting"]
+    kind: Literal["import", "tracking", "export", "prediction", "fitting", "alignment"]
     sequence: str | None
     state: JobState
     progress: float

@@ -38,7 +38,7 @@ class AlignmentOptions:
     robust: float = 2.5  # standard deviations at which a pair has no weight
     least_pairs: int = 300  # pairs of a sensor in all frames, below which nothing overlaps
     correlated: float = 8.0  # ratio of the error of a correction to that of independent pairs
-    most_error_m: float = 0.005  # largest standard error of a point at the scene's distance
+    most_error_m: float = 0.03  # largest standard error of a point at the scene's distance
     most_shift_m: float = 0.3  # largest correction that counts as small
     most_turn_deg: float = 10.0
 
@@ -96,7 +96,8 @@ class _Surface:
         """Return the surface of cells of ``size`` metres."""
         xyz = means_of(points.xyz, cells_of(points.xyz, size))
         count = min(options.neighbours, len(xyz))
-        near = xyz[np.reshape(cKDTree(xyz).query(xyz, count)[1], (len(xyz), count))]
+        _, number = cKDTree(xyz).query(xyz, count)
+        near = xyz[np.reshape(number, (len(xyz), count))]
         offset = near - near.mean(axis=1, keepdims=True)
         values, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offset, offset))
         normal = axes[:, :, 0]
@@ -159,12 +160,13 @@ class _Registration:
         T_one, T_other = (s.mount @ self.T[s.sensor] for s in (one, other))
         a = one.xyz[one.some]
         world = transform(T_one, a)
-        _, near = other.tree.query(transform(inverse(T_other), world), distance_upper_bound=reach)
+        own = transform(inverse(T_other), world)
+        near = np.asarray(other.tree.query(own, distance_upper_bound=reach)[1])
         found = np.flatnonzero(near < len(other.xyz))
         near, world = near[found], world[found]
         normal = other.normal[near] @ T_other[:3, :3].T
-        own = one.normal[one.some][found] @ T_one[:3, :3].T
-        alike = np.einsum("ij,ij->i", normal, own) > self.options.alike_cos
+        facing = one.normal[one.some][found] @ T_one[:3, :3].T
+        alike = np.einsum("ij,ij->i", normal, facing) > self.options.alike_cos
         b = other.xyz[near[alike]]
         off = np.einsum("ij,ij->i", world[alike] - transform(T_other, b), normal[alike])
         return _Pairs(one, other, a[found[alike]], b, normal[alike], off)
@@ -237,8 +239,8 @@ def _cell_size(frames: Sequence[Sequence[SensorPoints]], options: AlignmentOptio
     for points in frames[0]:
         some = points.xyz[:: max(1, len(points.xyz) // options.most_points)]
         if len(points.xyz) > 1:
-            distance, _ = cKDTree(points.xyz).query(some, 2)
-            spacings.append(float(np.median(distance[:, 1])))
+            distance, _ = cKDTree(points.xyz).query(some, [2])
+            spacings.append(float(np.median(distance)))
     return max(options.least_cell_m, options.cell_spacings * max(spacings, default=0.0))
 
 

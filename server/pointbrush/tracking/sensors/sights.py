@@ -83,7 +83,9 @@ def _lens_of(frame: TrackFrame, part: SensorPart, options: TrackerOptions) -> Le
     """Return the pixel grid of one sensor in the frame's coordinates; None: it has none."""
     if part.lattice is None:
         own = np.asarray(frame.xyz)[np.asarray(frame.sensor) == part.sensor]
-        return find_lens(PositionsFrame(own, part.T_frame_sensor[:3, 3]), moves=True, options=options)
+        return find_lens(
+            PositionsFrame(own, part.T_frame_sensor[:3, 3]), moves=True, options=options
+        )
     lens, turn = imported_lens(part.lattice, options=options.lens), part.T_frame_sensor[:3, :3]
     eye = turn @ lens.eye + part.T_frame_sensor[:3, 3]
     return replace(lens, eye=eye.astype(np.float32), turn=turn.T.astype(np.float32))

@@ -16,6 +16,7 @@ from pointbrush.web.routes import (
     meta,
     objects,
     people,
+    sensors,
     sequences,
     studies,
     taxonomy,
@@ -34,7 +35,7 @@ from pointbrush.web.routes.team import (
 
 RESOURCES = (
     edits, meta, sequences, imports, frames, labels, boxes, taxonomy, events, objects,
-    annotations, masks, people, tracking, classifiers, export, jobs, review, checks, projects,
-    tasks, snapshots, agreement, webhooks, accounts, headset_checks, studies,
+    annotations, masks, people, sensors, tracking, classifiers, export, jobs, review, checks,
+    projects, tasks, snapshots, agreement, webhooks, accounts, headset_checks, studies,
 )  # fmt: skip
 """In the order of matching: strokes first, because they are by far the most frequent calls."""
