@@ -13,8 +13,7 @@ from pointbrush.errors import BadInputError
 from pointbrush.formats.masks.mask import PictureMask
 from pointbrush.masks import draw
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.values.masks import LATTICE
-from pointbrush.work.masks.views import camera_names, view_of
+from pointbrush.work.masks.views import camera_names, depth_images, view_of
 
 
 def masked_frames(
@@ -39,7 +38,7 @@ def _endings(recording: Recording, index: int) -> dict[str, str]:
         for each in recording.projections(index)
         if each.K is not None and each.T_camera_frame is not None
     }
-    endings[LATTICE] = ".png"
+    endings |= dict.fromkeys(depth_images(recording[index]), ".png")
     return {name: endings[name] for name in camera_names(recording, index) if name in endings}
 
 

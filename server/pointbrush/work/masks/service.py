@@ -20,7 +20,13 @@ from pointbrush.values.masks import VOID, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.work.annotate.layers import KeptAnnotation
 from pointbrush.work.annotate.strokes import edit_id
 from pointbrush.work.masks.classes import Classes, chosen_labels
-from pointbrush.work.masks.views import camera_picture, lattice_pixels, size_of, view_of
+from pointbrush.work.masks.views import (
+    camera_picture,
+    depth_images,
+    depth_pixels,
+    size_of,
+    view_of,
+)
 from pointbrush.work.part import Part
 
 Mask = NDArray[np.unsignedinteger]
@@ -142,11 +148,14 @@ class Masks(Part):
     def pixel(self, sequence: str, frame: int) -> NDArray[np.uint16] | None:
         """Return row and column (N, 2) of points in the depth image, source order; None: none."""
         stored = self._recording(sequence)[frame]
-        found = lattice_pixels(stored)
-        if found is None:
+        places = np.zeros((stored.count, 2), np.uint16)
+        images = [depth_pixels(stored, part) for part in depth_images(stored).values()]
+        found = [image for image in images if image is not None]
+        if sum(len(image.numbers) for image in found) < max(stored.count, 1):
             return None
-        (width, _), pixel = found
-        return stored.to_source(np.stack(np.divmod(pixel, width), axis=1).astype(np.uint16))
+        for image in found:
+            places[image.numbers] = np.stack(np.divmod(image.pixel, image.size[0]), axis=1)
+        return stored.to_source(places)
 
     def size(self, sequence: str, frame: int, camera: str) -> tuple[int, int]:
         """Return width and height of a camera's picture, pixels; raises NotFoundError."""

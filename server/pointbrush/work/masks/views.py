@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from pointbrush.sequences import StoredFrame
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.depth.projection import find
 from pointbrush.sequences.pictures import Projection
+from pointbrush.sequences.stored_part import StoredPart
 from pointbrush.values.masks import LATTICE
 
 Pixels = NDArray[np.uint32]
@@ -23,14 +25,20 @@ Pixels = NDArray[np.uint32]
 def camera_names(recording: Recording, frame: int) -> list[str]:
     """Return the names of the cameras with a picture of a frame, the depth image first."""
     pictures = [each.name for each in recording.projections(frame)]
-    return ([LATTICE] if has_lattice(recording[frame]) else []) + [
-        name for name in pictures if name != LATTICE
-    ]
+    images = list(depth_images(recording[frame]))
+    return images + [name for name in pictures if name not in images]
 
 
-def has_lattice(stored: StoredFrame) -> bool:
-    """Return whether a frame is stored with the lattice of its depth camera."""
-    return stored.pixel is not None or stored.lattice is not None
+def depth_images(stored: StoredFrame) -> dict[str, StoredPart]:
+    """Return the depth cameras of a frame by the names of their depth images.
+
+    Of several sensors each has its own, such as "depth-front".
+    """
+    return {
+        f"{LATTICE}-{part.name}" if stored.sensors else LATTICE: part
+        for part in stored.parts
+        if part.camera is not None or part.lattice is not None
+    }
 
 
 def size_of(recording: Recording, frame: int, camera: str) -> tuple[int, int]:
@@ -38,9 +46,9 @@ def size_of(recording: Recording, frame: int, camera: str) -> tuple[int, int]:
 
     Raises NotFoundError naming the cameras of the frame.
     """
-    stored = recording[frame]
-    lattice = stored.camera or stored.lattice
-    if camera == LATTICE and lattice is not None:
+    part = depth_images(recording[frame]).get(camera)
+    lattice = None if part is None else part.camera or part.lattice
+    if lattice is not None:
         return lattice.width, lattice.height
     found = _camera(recording, frame, camera)
     return found.width, found.height
@@ -52,10 +60,12 @@ def view_of(recording: Recording, frame: int, camera: str) -> View:
     Raises NotFoundError naming the cameras of the frame, BadInputError without calibration.
     """
     stored = recording[frame]
-    if camera == LATTICE and (found := lattice_pixels(stored)) is not None:
-        size, pixel = found
-        eye = np.zeros(3) if stored.viewpoint is None else stored.viewpoint
-        return View.of_lattice(LATTICE, size, pixel, np.linalg.norm(stored.xyz - eye, axis=1))
+    part = depth_images(stored).get(camera)
+    if part is not None and (found := depth_pixels(stored, part)) is not None:
+        eye = np.zeros(3) if part.viewpoint is None else part.viewpoint
+        pixel = np.full(stored.count, -1, np.int32)
+        pixel[found.numbers] = found.pixel
+        return View.of_lattice(camera, found.size, pixel, np.linalg.norm(stored.xyz - eye, axis=1))
     return View.of_camera(
         _camera(recording, frame, camera), stored.xyz + np.asarray(recording.manifest.shift)
     )
@@ -69,11 +79,12 @@ def camera_picture(recording: Recording, frame: int, camera: str) -> NDArray[np.
     """
     width, height = size_of(recording, frame, camera)
     stored = recording[frame]
-    if camera == LATTICE and (found := lattice_pixels(stored)) is not None:
+    part = depth_images(stored).get(camera)
+    if part is not None and (found := depth_pixels(stored, part)) is not None:
         if stored.rgb is None:
             raise BadInputError(f"camera {camera!r}: expected points with colours, got none")
         picture = np.zeros((height * width, 3), np.uint8)
-        picture[found[1]] = stored.rgb
+        picture[found.pixel] = stored.rgb[found.numbers]
         return picture.reshape(height, width, 3)
     name, content = recording.picture(frame, camera)
     with opened(name, io.BytesIO(content), "a picture") as image:
@@ -91,23 +102,43 @@ def _camera(recording: Recording, frame: int, name: str) -> Projection:
     raise NotFoundError(f"camera: expected one of frame {frame} ({names}), got {name[:60]!r}")
 
 
-def lattice_pixels(stored: StoredFrame) -> tuple[tuple[int, int], Pixels] | None:
-    """Return width and height of a frame's depth image, and its points' pixels (N,), stored order.
+class DepthPixels(NamedTuple):
+    """A depth image of a ``size``, width and height, and the row-major ``pixel`` (M,) of points.
+
+    ``numbers`` (M,): of these points, stored order, increasing.
+    """
+
+    size: tuple[int, int]
+    pixel: Pixels
+    numbers: NDArray[np.int64]
+
+
+def depth_pixels(stored: StoredFrame, part: StoredPart) -> DepthPixels | None:
+    """Return the pixels of a depth camera's points.
 
     The import stores the pixels of depth images; for other recordings, points are projected into
     the lattice of the frame.  None: the points do not fit a depth image.
     """
-    pixel, camera, lattice = stored.pixel, stored.camera, stored.lattice
+    numbers = np.arange(stored.count)
+    if stored.sensor is not None:
+        numbers = np.flatnonzero(stored.sensor == part.sensor)
+    pixel, camera, lattice = stored.pixel, part.camera, part.lattice
     if pixel is not None and camera is not None:
-        return (camera.width, camera.height), pixel
-    found = None if lattice is None else find(lattice, stored.xyz)
-    if lattice is None or found is None:
+        return DepthPixels((camera.width, camera.height), pixel[numbers], numbers)
+    if lattice is None:
+        return None
+    xyz = stored.xyz
+    if stored.sensor is not None:
+        xyz = stored.sensor_xyz()[stored.source_index[numbers]].astype(np.float32)
+    found = find(lattice, xyz)
+    if found is None:
         return None
     row, column = np.divmod(found.pixel, lattice.width)
     right, down = _upright(lattice)
     column = column if right else lattice.width - 1 - column
     row = row if down else lattice.height - 1 - row
-    return (lattice.width, lattice.height), (row * lattice.width + column).astype(np.uint32)
+    pixel = (row * lattice.width + column).astype(np.uint32)
+    return DepthPixels((lattice.width, lattice.height), pixel, numbers)
 
 
 def _upright(lattice: Lattice) -> tuple[bool, bool]:
