@@ -113,6 +113,7 @@ COMMANDS = {
     "track": "track drift --from 0 --to 1",
     "fit-boxes": "fit-boxes drift",
     "find-people": "find-people drift",
+    "align-sensors": "align-sensors drift",
     "example": "example",
     "export": "export drift --format npz --out OUT/export",
     "info": "info",

@@ -221,6 +221,22 @@ client.wait(job)
 labelled = kinect.label_people()
 print(labelled.people, "people,", labelled.changed, "points")
 
+# Recording.align_sensors
+from pointbrush.errors import ConflictError
+
+try:
+    aligned = juggling.align_sensors()
+    print([(each.name, each.before, each.after) for each in aligned.sensors])
+    juggling.align_sensors(undo=True)
+except ConflictError as error:  # such as a recording of one sensor
+    print(error)
+
+# Recording.start_align_sensors
+try:
+    client.wait(juggling.start_align_sensors([0]))
+except ConflictError as error:
+    print(error)
+
 # Recording.start_fit_boxes
 job = juggling.start_fit_boxes(category="car", frames="0:1")
 client.wait(job)

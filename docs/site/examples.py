@@ -21,6 +21,9 @@ WITHOUT_ONE = {
     "POST /api/v1/sequences/{seq}/source-labels": (
         "The recordings of the examples have no labels in their files, so the call answers 409."
     ),
+    "POST /api/v1/sequences/{seq}/sensors/align": (
+        "The recordings of the examples have one sensor, so the call answers 409."
+    ),
     "POST /api/v1/projects/{p}/merge": (
         "The answer is an edit, or 409 before three people have submitted their copies."
     ),

@@ -39,6 +39,7 @@ def observed(
         label = np.where(values.deleted, 0, values.label)
         xyz = np.asarray(frame.xyz, np.float64) + manifest.shift
         living = xyz[~values.deleted]
+        rays = _of_first_sensor(frame)[~values.deleted]
         kept = label[~values.deleted]
         sensor = _sensor(frame, place, manifest.shift)
         found = {}
@@ -46,12 +47,19 @@ def observed(
             own = kept == number
             if own.sum() < options.least_points:
                 continue
-            others = near_rays(living[own], living[~own], sensor, up, REACH)
+            others = near_rays(living[own], living[~own & rays], sensor, up, REACH)
             others = others[:: -(-len(others) // options.most_rays) or 1]
             found[number] = Observation(
                 index, living[own], up, float(times[index]), sensor, frame.pose, others
             )
         yield index, found
+
+
+def _of_first_sensor(frame: StoredFrame) -> NDArray[np.bool_]:
+    """Return a mask (N,) of the points whose rays start at the viewpoint, of several sensors."""
+    if frame.sensor is None or not frame.parts:
+        return np.ones(frame.count, np.bool_)
+    return np.asarray(frame.sensor == frame.parts[0].sensor)
 
 
 def _sensor(

@@ -48,9 +48,14 @@ def part_of(column: NDArray[T] | None, members: NDArray[np.int64] | None) -> NDA
 
 
 def sensor_of(frame: StoredFrame, manifest: Manifest) -> Sensing:
-    """Return the kind of a frame's sensor and its position, local metres."""
-    from pointbrush.tracking.sensors.kind import sense  # imports compiled loops
+    """Return the kind of a frame's sensor and its position, local metres.
 
+    Several depth cameras are a room: points from many sides, without one position.
+    """
+    from pointbrush.tracking.sensors.kind import Sensing, sense  # imports compiled loops
+
+    if frame.sensors and any(part.type == "depth" for part in frame.parts):
+        return Sensing("room", None)
     return sense(_positions(frame), -np.asarray(manifest.shift, np.float64))
 
 
