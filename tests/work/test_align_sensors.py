@@ -33,6 +33,9 @@ def served(tmp_path_factory: pytest.TempPathFactory, stage: Stage) -> Iterator[S
     folder = settings.workspace / "sequences" / "stage"
     made = (stage.frame(i) for i in FRAMES)
     import_frames(made, folder, RecordingInfo("stage", "Stage", 30.0))
+    exact = Stage(SEED, 1, StageOptions(), camera=SMALL)
+    folder = settings.workspace / "sequences" / "exact"
+    import_frames(exact.frames, folder, RecordingInfo("exact", "Exact mounts", 30.0))
     add_sequence(settings, "alone", frames=1)
     with serving(settings) as running:
         yield running
@@ -69,6 +72,34 @@ def test_sensors_are_aligned_and_the_alignment_is_undone(client: Client, stage: 
     assert np.array_equal(client["stage"].frames[0].points()["xyz"], before["xyz"])
     client["stage"].align_sensors(undo=True)
     assert errors(client["stage"], stage) == aligned
+
+
+def test_a_click_labels_an_object_in_all_sensors(client: Client, stage: Stage) -> None:
+    recording = client["exact"]
+    frame, person = recording.frames[0], stage.labels[-1]
+    truth = stage.truth[FRAMES[0]] == person.id
+    points = frame.points()
+    label = recording.create_label("person", category="person")
+    eye = np.zeros(3)  # the page's camera, where the front sensor is
+    chosen = np.flatnonzero(truth & (points["sensor"] == 0))
+    middle = points["xyz"][chosen] - np.median(points["xyz"][chosen], axis=0)
+    at = points["xyz"][chosen[np.linalg.norm(middle, axis=1).argmin()]]
+    levels = frame.objects([eye], [at - eye])
+    own = np.flatnonzero(truth)
+    best = max(levels, key=lambda level: _iou(level.numbers, own))
+    frame.stroke(
+        label=label.id, shape="object", samples=[eye], directions=[at - eye], candidate=best.id
+    )
+    labelled = frame.annotation() == label.id
+    assert _iou(np.flatnonzero(labelled), own) > 0.8
+    for sensor in range(len(stage.sensors)):
+        seen = truth & (points["sensor"] == sensor)
+        assert (labelled & seen).sum() > 0.7 * seen.sum() > 0
+
+
+def _iou(one: np.ndarray, other: np.ndarray) -> float:
+    """IoU of two sets of point numbers."""
+    return len(np.intersect1d(one, other)) / len(np.union1d(one, other))
 
 
 def test_one_sensor_cannot_be_aligned(client: Client) -> None:
