@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from pointbrush.errors import HiddenLabelError
-from pointbrush.frame import PointFrame
+from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.workspace import Workspace
 from tests.serving import settings_in
@@ -24,6 +24,8 @@ GRID = np.stack(np.meshgrid(np.arange(-10, 11), np.arange(-10, 11)), axis=-1).re
 WALL = np.column_stack([GRID, np.full(len(GRID), -1.0)])
 WALLS = np.concatenate([WALL, WALL - [0, 0, 1]]).astype(np.float32)
 CLOUD_FRAME, WALLS_FRAME = 0, 1
+SENSORS = (Sensor("front"), Sensor("rear"))
+HALVES = [PointFrame(half) for half in np.split(WALLS, 2)]
 RAY = {"samples": [{"origin": [0.01, 0.01, 1], "direction": [0, 0, -1]}]}
 VIEW = [1.0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 SHAPES: dict[str, dict[str, Any]] = {
@@ -39,14 +41,23 @@ SHAPES: dict[str, dict[str, Any]] = {
 
 @pytest.fixture(scope="module")
 def workspace(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Workspace]:
-    """A recording of a cloud and of two walls, the second one behind the first."""
+    """A recording of a cloud and of two walls, the second one behind the first.
+
+    In another recording each wall is of another sensor.
+    """
     options = settings_in(tmp_path_factory.mktemp("hidden"))
     import_frames(
         [PointFrame(CLOUD), PointFrame(WALLS)],
         options.workspace / "sequences" / "two",
         RecordingInfo("two", "two", 30),
     )
+    import_frames(
+        [join_sensors(SENSORS, [(FramePart(k, np.eye(4)), wall) for k, wall in enumerate(HALVES)])],
+        options.workspace / "sequences" / "pair",
+        RecordingInfo("pair", "pair", 30),
+    )
     opened = Workspace(options)
+    opened.labels.create_label("pair", "ada", name="plain")
     for name in ("plain", "hidden", "hidden here", "locked"):
         opened.labels.create_label("two", "ada", name=name)
     opened.labels.update_label("two", "ada", HIDDEN, visible=False)
@@ -147,6 +158,28 @@ def test_rays_fills_and_planes_go_through_what_one_does_not_see(
     painted = workspace.annotations.read("two", WALLS_FRAME)[0] == PLAIN
     assert not painted[front].any()
     assert painted[~front].sum() > 5
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, "object"])
+def test_a_stroke_takes_no_point_of_a_hidden_sensor_and_looks_through_it(
+    workspace: Workspace, shape: str
+) -> None:
+    deep: dict[str, dict[str, Any]] = {
+        "sphere": {"radius": 3.2},
+        "box": {"size": [1.4, 1.4, 5.0]},
+        "lasso": {"matrix": [*VIEW[:10], 0.1, *VIEW[11:]]},
+    }
+    shaped = {"shape": shape, "radius": 0.11} | SHAPES.get(shape, RAY) | deep.get(shape, {})
+    stroke = {"label": PLAIN, **shaped}
+    front = np.arange(len(WALLS)) < len(WALL)
+    for hidden, seen in (([], front), ([0], ~front)):
+        workspace.annotations.put("pair", 0, np.zeros(len(WALLS), np.uint16), author="ada")
+        brush = {**stroke, "hidden_sensors": hidden}
+        workspace.strokes.apply("pair", 0, brush, "ada")
+        painted = workspace.annotations.read("pair", 0)[0] == PLAIN
+        assert painted[seen].sum() > 5
+        if hidden:
+            assert not painted[~seen].any()
 
 
 def test_a_fill_does_not_cross_what_one_does_not_see(workspace: Workspace) -> None:

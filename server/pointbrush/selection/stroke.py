@@ -28,6 +28,7 @@ class Stroke:
     ``origins``, ``directions``  (S, 3) float64; directions are unit length.
     ``values`` holds the parameters of its shape by name.
     ``hidden``: labels hidden only by the viewer; 0: points without a label.
+    ``hidden_sensors``: numbers of sensors hidden by the viewer.
     ``frames``: further frames to paint.
     ``clip``: box that limits shown, hit and selected points; None: no limit.
     ``met``  (S, 3): hits of the samples' rays on the surface, NaN without a hit; None: unknown.
@@ -43,6 +44,7 @@ class Stroke:
     directions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 3)))
     only_unlabeled: bool = False
     hidden: frozenset[int] = frozenset()
+    hidden_sensors: frozenset[int] = frozenset()
     frames: tuple[int, ...] = ()
     clip: Clip | None = None
     met: NDArray[np.float64] | None = None
@@ -67,6 +69,7 @@ class Stroke:
             values=SHAPES[shape].read(fields),
             only_unlabeled=bool(fields.get("only_unlabeled", False)),
             hidden=frozenset(fields.get("hidden", ())),
+            hidden_sensors=frozenset(fields.get("hidden_sensors", ())),
             frames=tuple(fields.get("frames", ())),
             clip=Clip.parse(fields.get("clip")),
         )

@@ -2,7 +2,7 @@
 // `python -m pointbrush.streaming.typescript --write`.
 // Do not edit: a stale file fails the tests.
 
-export const SCHEMA_HASH = 'e8c362c3f273';
+export const SCHEMA_HASH = '547ebd1a4072';
 export const SUBPROTOCOL = `pointbrush.${SCHEMA_HASH}`;
 
 /**
@@ -66,6 +66,8 @@ export interface Brush {
   only_unlabeled?: boolean;
   /** labels that only this viewer hides, beside the hidden labels of the palette; 0: points without a label. Strokes do not change their points, and rays pass through them. */
   hidden?: number[];
+  /** numbers of the sensors that this viewer hides. Strokes do not change their points, and rays pass through them. */
+  hidden_sensors?: number[];
   /** further frames that the stroke paints, in the same edit. The poses of the recording place their points over the stroke's frame; the track places a tracked label's points. */
   frames?: number[];
   /** the visible box: no shape changes points outside it, and rays pass through them. */

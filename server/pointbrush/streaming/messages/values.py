@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from pointbrush.frame import MOST_SENSORS
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
 from pointbrush.selection.shape import Numbers, Parameter, Rays
@@ -32,6 +33,7 @@ Pose = Annotated[list[Finite], Field(min_length=7, max_length=7)]
 """Position x, y, z then quaternion x, y, z, w."""
 Matrix4 = Annotated[list[Finite], Field(min_length=16, max_length=16)]
 """Row-major 4x4."""
+SensorNumber = Annotated[int, Field(ge=0, lt=MOST_SENSORS)]
 RUN_BYTES = 2**20
 """Most bytes of the runs of points of a frame."""
 
@@ -234,6 +236,11 @@ class Brush(_Parameters):  # type: ignore[misc]  # its base is made when it is i
         description="labels that only this viewer hides, beside the hidden labels of the "
         "palette; 0: points without a label. Strokes do not change their points, and rays pass "
         "through them.",
+    )
+    hidden_sensors: Annotated[list[SensorNumber], Field(max_length=MOST_SENSORS)] = Field(
+        [],
+        description="numbers of the sensors that this viewer hides. Strokes do not change their "
+        "points, and rays pass through them.",
     )
     frames: Annotated[list[FrameIndex], Field(max_length=MAX_FRAMES)] = Field(
         [],

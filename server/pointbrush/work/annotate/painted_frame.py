@@ -165,6 +165,21 @@ def frame_points(frame: StoredFrame, up: tuple[float, float, float] = (0.0, 0.0,
     )
 
 
+def of_shown_sensors(frame: StoredFrame, hidden: frozenset[int]) -> Alive | None:
+    """Return a mask function of stored numbers: points of sensors beside ``hidden``; None: all."""
+    sensor = frame.sensor
+    if sensor is None or not hidden:
+        return None
+    shown = np.ones(256, np.bool_)
+    shown[list(hidden)] = False
+    return lambda numbers: np.asarray(shown[sensor[numbers]])
+
+
+def both(one: Alive, other: Alive | None) -> Alive:
+    """Return a mask function of the points that both functions mark; None marks all."""
+    return one if other is None else lambda numbers: one(numbers) & other(numbers)
+
+
 class PaintedFrame:
     """A frame under a stroke: its visible and selected points; ``frame`` is its number."""
 
@@ -175,6 +190,7 @@ class PaintedFrame:
         self._recording, self._view, self._brush = recording, view, brush
         x, y, z = recording.manifest.T_room_local[1, :3].tolist()
         self._points = frame_points(recording[self.frame], (x, y, z))
+        self._of_shown = of_shown_sensors(recording[self.frame], brush.hidden_sensors)
         self._seen = Seen(view, self.frame, brush.hidden)
         self._touchable = self._seen.deleted if brush.tool == "restore" else self._seen.shown
         self._changing = Changing(view, self.frame, brush)
@@ -184,20 +200,16 @@ class PaintedFrame:
     def layers(self) -> list[Layer]:
         """Return a layer of the frame's static points, and one of each moving object."""
         moving = self._placement.moving
-        still = Layer(
-            self._points,
-            self._placement.T_shown_frame,
-            self._touchable,
-            self._labelled(frozenset(moving), among=False) if moving else None,
-        )
+        rest = self._part(frozenset(moving), among=False) if moving else self._of_shown
+        still = Layer(self._points, self._placement.T_shown_frame, self._touchable, rest)
         objects = [
-            Layer(self._points, T, self._touchable, self._labelled(frozenset({label}), among=True))
+            Layer(self._points, T, self._touchable, self._part(frozenset({label}), among=True))
             for label, T in moving.items()
         ]
         return [still, *objects]
 
-    def _labelled(self, labels: frozenset[int], *, among: bool) -> Alive:
-        """Return a mask function of stored numbers: whether ``labels`` has their label, or not."""
+    def _part(self, labels: frozenset[int], *, among: bool) -> Alive:
+        """Return a mask function of points of shown sensors with a label in ``labels``, or not."""
         wanted = np.array(sorted(labels), np.uint16)
 
         def part(numbers: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -206,7 +218,7 @@ class PaintedFrame:
                 found[mine] = np.isin(self._label_block(first)[numbers[mine] - first], wanted)
             return found if among else ~found
 
-        return part
+        return both(part, self._of_shown)
 
     def _label_block(self, first: int) -> NDArray[np.uint16]:
         # Read once per stroke, so that the layers do not change during the stroke.

@@ -21,7 +21,8 @@ from pointbrush.selection import Points, Stroke, first_hits
 from pointbrush.selection.box import clipped
 from pointbrush.selection.points import Alive
 from pointbrush.sequences import Sequence as Recording
-from pointbrush.work.annotate.painted_frame import Seen, frame_points
+from pointbrush.sequences import StoredFrame
+from pointbrush.work.annotate.painted_frame import Seen, both, frame_points, of_shown_sensors
 from pointbrush.work.events import Prepared
 from pointbrush.work.objects.choosing import Selectors
 from pointbrush.work.objects.options import ObjectOptions
@@ -40,7 +41,8 @@ class Clicks:
     Both are ``Stroke`` values with samples in source coordinates, a radius around a ray and a clip
     box that limits the selection.  ``label``: the label to paint; its own points can be selected,
     points of other labels only with ``take_labelled``.  ``hidden``: labels that only this viewer
-    hides.  ``previous``: the id of the current candidate, or "".
+    hides, ``hidden_sensors``: numbers of such sensors.  ``previous``: the id of the current
+    candidate, or "".
     """
 
     positives: Stroke
@@ -48,6 +50,7 @@ class Clicks:
     label: int = 0
     take_labelled: bool = False
     hidden: frozenset[int] = frozenset()
+    hidden_sensors: frozenset[int] = frozenset()
     previous: str = ""
 
     @classmethod
@@ -65,6 +68,7 @@ class Clicks:
             label=int(fields.get("label") or 0),
             take_labelled=bool(fields.get("take_labelled", False)),
             hidden=frozenset(fields.get("hidden") or ()),
+            hidden_sensors=frozenset(fields.get("hidden_sensors") or ()),
             previous=str(fields.get("previous") or ""),
         )
 
@@ -78,7 +82,8 @@ class Clicks:
         radius = self.positives.radius
         clip = self.positives.clip
         box = () if clip is None else tuple(array.tobytes() for array in clip.values.values())
-        return *rays, radius, self.label, self.take_labelled, sorted(self.hidden), box
+        hidden = sorted(self.hidden), sorted(self.hidden_sensors)
+        return *rays, radius, self.label, self.take_labelled, *hidden, box
 
 
 def _clicks(empty: Stroke, name: str, samples: Sequence[Mapping[str, Any]], most: int) -> Stroke:
@@ -191,10 +196,13 @@ class Objects:
         version = self._version(recording, frame)
         values = self._store.values(recording.manifest.id, frame)
         kept = self._kept(recording.manifest.id, clicks)
-        free = _free(values, kept, clicks)
+        free = _free(values, kept, clicks, stored)
         points = frame_points(stored)
         shift = np.asarray(recording.manifest.shift, np.float64)
-        seen = Seen(self._store.view(recording.manifest.id), frame, clicks.hidden).shown
+        seen = both(
+            Seen(self._store.view(recording.manifest.id), frame, clicks.hidden).shown,
+            of_shown_sensors(stored, clicks.hidden_sensors),
+        )
         positives = surface_hits(points, clicks.positives, shift, seen)
         if len(positives) == 0:
             return Answer((), 0, ready)
@@ -252,15 +260,24 @@ class Objects:
     def _allowed(self, recording: Recording, frame: int, clicks: Clicks, level: Level) -> Level:
         """Return the candidate without points that a stroke with ``clicks`` must not change."""
         sequence = recording.manifest.id
-        free = _free(self._store.values(sequence, frame), self._kept(sequence, clicks), clicks)
+        values = self._store.values(sequence, frame)
+        free = _free(values, self._kept(sequence, clicks), clicks, recording[frame])
         return replace(level, numbers=level.numbers[free[level.numbers]])
 
 
-def _free(values: FrameValues, kept: list[int], clicks: Clicks) -> NDArray[np.bool_]:
-    """Return the mask (N,) of selectable points: not deleted, not of kept or other labels."""
+def _free(
+    values: FrameValues, kept: list[int], clicks: Clicks, stored: StoredFrame
+) -> NDArray[np.bool_]:
+    """Return the mask (N,) of selectable points.
+
+    They are not deleted, and have neither kept nor other labels nor a hidden sensor.
+    """
     free = ~values.deleted & ~np.isin(values.label, kept)
     if not clicks.take_labelled:
         free &= (values.label == 0) | (values.label == clicks.label)
+    shown = of_shown_sensors(stored, clicks.hidden_sensors)
+    if shown is not None:
+        free &= shown(np.arange(stored.count))
     return np.asarray(free)
 
 
