@@ -88,7 +88,7 @@ def paint_in_picture(desk: Desk, server: LiveServer) -> None:
     other = next(each for each in np.unique(before) if each not in (0, label))
     points = server.points(SEQUENCE, 0)[before == other]
     x, y, z = points[np.linalg.norm(points - np.median(points, axis=0), axis=1).argmin()].tolist()
-    image = "pb.engine.playback.frame.image.lattice"
+    image = "pb.engine.playback.frame.images[0].lattice"
     (t, u), (p, q) = desk.ask(f"{image}.tangent"), desk.ask(f"{image}.pitch")
     size = desk.ask(f"[{image}.width, {image}.height]")
     across, down = (x / z - t) / p / size[0], (y / z - u) / q / size[1]

@@ -44,7 +44,7 @@ def test_a_lasso_round_a_parked_car_paints_it_in_every_frame(
     page.get_by_text("Trails").wait_for()
     assert page.get_by_role("radiogroup", name="Depth images").count() == 0
     desk.press("Escape")
-    assert not desk.ask("pb.engine.playback.frame.image")
+    assert desk.ask("pb.engine.playback.frame.images") == []
     assert desk.ask("pb.state.view.value.surface") == "auto"
     assert not desk.ask("pb.engine.viewer.hasSurface")
     desk.until(f"pb.engine.viewer.laid === {(FRAMES - 1) * total}")

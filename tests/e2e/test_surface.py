@@ -30,7 +30,7 @@ READ = """(() => {
 """The picture of the cloud alone, before it is shaded: alpha is 0 in the background."""
 IMAGE = """(() => {
   const { room, camera } = pb.engine.viewer;
-  const { lattice, depths } = pb.engine.playback.frame.image;
+  const { lattice, depths } = pb.engine.playback.frame.images[0];
   const clip = camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse);
   return [lattice, [...depths], clip.multiply(room.matrixWorld).elements];
 })()"""

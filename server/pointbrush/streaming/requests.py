@@ -60,13 +60,14 @@ def sequence_info(room: Room, frame: int) -> messages.SequenceInfo:
         position_error=manifest.position_error,
         color_error=manifest.color_error,
         lattice=_lattice(manifest.depth_lattice),
-        sensors=[_sensor(sensor, manifest) for sensor in manifest.sensors],
+        sensors=[sensor_info(sensor, manifest) for sensor in manifest.sensors],
         revision=room.revision,
         frame=frame,
     )
 
 
-def _sensor(sensor: StoredSensor, manifest: Manifest) -> messages.SensorInfo:
+def sensor_info(sensor: StoredSensor, manifest: Manifest) -> messages.SensorInfo:
+    """Return one of several sensors for the message ``sequence``."""
     mounts = np.reshape(sensor.mounts, (-1, 4, 4))
     mounts[:, :3, 3] -= manifest.shift
     return messages.SensorInfo(

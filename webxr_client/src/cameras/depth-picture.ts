@@ -1,25 +1,28 @@
 /** Draws the picture of a depth camera from the colours and depths of its pixels. */
+import { Matrix4 } from 'three';
 import { sidesOf } from '../net/depth/grid';
 import type { DepthImage } from '../net/chunk/segment';
-import type { Lattice } from '../protocol/messages';
+import type { SequenceInfo } from '../protocol/messages';
 import type { Camera } from '../protocol/values';
-import type { Vec } from '../store/types';
 
-/** Name of the depth camera: `LATTICE` of the server's `values/masks.py`. */
+/** Name of the only depth camera: `LATTICE` of the server's `values/masks.py`. */
 const NAME = 'depth';
 /** Grey, of 255, of the nearest and the farthest pixel of an image without colours. */
 const [NEAREST, FARTHEST] = [235, 60];
 
-/** Return the depth camera as a `Camera`; `shift`: source minus local coordinates, metres. */
-export function depthCamera(lattice: Lattice, shift: Vec): Camera {
+/** Return the camera of a depth image as a `Camera`. */
+export function depthCamera(
+  { sensor, lattice, mount }: Pick<DepthImage, 'sensor' | 'lattice' | 'mount'>,
+  { shift, sensors }: Pick<SequenceInfo, 'shift' | 'sensors'>,
+): Camera {
   const { width, height, axis, sign, eye, tangent, pitch } = lattice;
   const [a, b] = sidesOf(lattice);
-  const row = (side: number, factor: number): number[] => {
-    const along = [0, 1, 2].map((k) => (k === side ? factor : 0));
-    return [...along, -factor * (eye[side]! + shift[side]!)];
-  };
+  const T = new Matrix4().makeTranslation(-shift[0], -shift[1], -shift[2]);
+  if (mount) T.premultiply(new Matrix4().set(...(mount as Parameters<Matrix4['set']>)).invert());
+  const row = (side: number, factor: number): number[] =>
+    [0, 1, 2, 3].map((k) => factor * (T.elements[4 * k + side]! - (k === 3 ? eye[side]! : 0)));
   return {
-    name: NAME,
+    name: sensors[sensor]?.name ?? NAME,
     width,
     height,
     // Lines through the middles of pixels meet whole columns and rows of the lattice.

@@ -48,15 +48,22 @@ describe('pixels painted in a picture', () => {
 describe('the picture of a depth camera', () => {
   const lattice = { width: 4, height: 2, axis: 2, sign: 1, tangent: [-0.6, 0.2], pitch: [0.4, -0.4], eye: [1, 0, 0], unit: 0.001 } as const; // prettier-ignore
 
-  it('has each point in the pixel that measured it', () => {
-    const shift = [5, 0, 0] as const;
-    const lens = Lens.of(depthCamera({ ...lattice, tangent: [-0.6, 0.2], pitch: [0.4, -0.4], eye: [1, 0, 0] }, shift), shift)!; // prettier-ignore
-    for (const [column, row] of [[0, 0], [3, 1], [2, 0]] as const) {
+  // A quarter turn around z, and a step aside.
+  const turned = [0, -1, 0, 3, 1, 0, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 1];
+
+  it.each([null, turned])(
+    'has each point in the pixel that measured it, with mount %j',
+    (mount) => {
+      const shift: [number, number, number] = [5, 0, 0];
+      const image = { sensor: 0, lattice: { ...lattice, tangent: [-0.6, 0.2], pitch: [0.4, -0.4], eye: [1, 0, 0] }, mount } as never; // prettier-ignore
+      const lens = Lens.of(depthCamera(image, { shift, sensors: [] }), shift)!;
+      for (const [column, row] of [[0, 0], [3, 1], [2, 0]] as const) {
       const [x, y] = [1 + 2 * (-0.6 + 0.4 * column), 2 * (0.2 - 0.4 * row)];
-      expect(lens.project(x, y, 2)).toBe(true);
+      expect(mount ? lens.project(3 - y, x, 2.5) : lens.project(x, y, 2)).toBe(true);
       expect([...lens.at].map((part) => Math.floor(part))).toEqual([column, row, 2]);
     } // prettier-ignore
-  });
+    },
+  );
 
   it('has the colours of a picture with half of its chroma, or greys by depth', () => {
     const into = { data: new Uint8ClampedArray(32) } as ImageData;

@@ -52,8 +52,8 @@ class CameraStrip {
     const request = ++this.newestRequest;
     const cameras = this.known.get(frame) ?? (await this.load(info, frame));
     if (!cameras || request !== this.newestRequest) return;
-    const { image } = this.engine.playback.frame ?? {};
-    const own = cameras.length === 0 && image ? [depthCamera(image.lattice, info.shift)] : null;
+    const images = this.engine.playback.frame?.images ?? [];
+    const own = cameras.length === 0 && images.length > 0 ? images.map((image) => depthCamera(image, info)) : null; // prettier-ignore
     pictures.value = { sequence: info.id, frame, cameras: own ?? cameras, drawn: own !== null };
   }
 

@@ -24,6 +24,7 @@ import { Strokes, type Stroke } from '../tools/strokes';
 import { roomWay, wayOf } from '../tools/ways';
 import { colouredLabels } from './labels/colouring';
 import { forgetBoxes } from '../store/boxes';
+import { colourFields, hiddenSensors, sensors } from '../store/sensors';
 import { theme } from '../store/theme';
 import { follow, watch } from '../store/watch';
 import { openBookmarks } from '../view/bookmarks';
@@ -192,7 +193,11 @@ export class Engine {
       const view = state.view.value;
       // Restored points must be seen.
       const showDeleted = view.showDeleted || state.tool.value === 'restore';
-      this.viewer.setView({ ...view, showDeleted }, state.sequence.value?.fields ?? []);
+      this.viewer.setView({ ...view, showDeleted }, colourFields.value);
+    });
+    follow(() => {
+      const colors = sensors.value.map(({ color }) => color);
+      this.viewer.setSensors(colors, hiddenSensors.value);
     });
     follow(() => {
       // A headset's room stays dark: a bright sky all around dazzles.
@@ -327,6 +332,7 @@ export class Engine {
     state.timeline.value = { rows: new Map() };
     state.loaded.value = [];
     state.solo.value = null;
+    hiddenSensors.value = new Set();
     state.undo.value = state.redo.value = null;
     state.history.value = [];
   }

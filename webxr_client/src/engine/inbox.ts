@@ -182,7 +182,8 @@ export class Inbox {
       return;
     }
     this.deps.playback.open(info);
-    this.deps.opened();
+    // The view stays where only the mounts of sensors have changed.
+    if (before?.id !== info.id || info.sensors.length === 0) this.deps.opened();
     state.frame.value = info.frame;
   }
 

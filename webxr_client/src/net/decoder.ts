@@ -1,4 +1,5 @@
 /** The worker between the socket and the page: decodes points, and hands all on in the order it came. */
+import type { SequenceInfo } from '../protocol/messages';
 import { decodeFrame, ready } from './chunk/decode';
 import { DepthDecoder } from './depth/decode';
 import { readPicture } from './depth/pictures';
@@ -13,6 +14,8 @@ const POOL_BYTES = 64 << 20;
 const pool = new BufferPool(POOL_BYTES);
 const depth = new DepthDecoder(pool, readPicture);
 const inOrder = new InOrder();
+/** The recording of the frames that follow. */
+let info: SequenceInfo | null = null;
 
 function post(message: FromWorker, transfer: Transferable[]): void {
   (self as unknown as Worker).postMessage(message, transfer);
@@ -32,13 +35,16 @@ function receive(message: ToDecoder, socket: MessagePort): void {
 
 function forward(message: Exclude<ToDecoder, { t: 'depth' }>, socket: MessagePort): void {
   if (message.t === 'frame') {
-    handOn(decodeFrame(message.message, pool), socket);
+    handOn(decodeFrame(message.message, info!, pool), socket);
   } else if (message.t === 'forget') {
     depth.forget(message.frames);
   } else if (message.t === 'labels' && message.update.base === null) {
     pairing.hold(message.update);
   } else {
-    if (message.t === 'message' && message.message.type === 'sequence') depth.open(message.message);
+    if (message.t === 'message' && message.message.type === 'sequence') {
+      info = message.message;
+      depth.open(info);
+    }
     pairing.flush();
     post(message, message.t === 'labels' ? labelBuffers(message.update) : []);
   }

@@ -19,7 +19,7 @@ function labels(frame: number, revision: number): LabelUpdate {
 }
 
 function points(frame: number): Segment {
-  return { frame, vertices: new ArrayBuffer(12) } as Segment;
+  return { frame, vertices: new ArrayBuffer(12), images: [] as Segment['images'] } as Segment;
 }
 
 describe('labels ahead of points', () => {

@@ -144,7 +144,7 @@ export interface PointerSample {
  * of it in this frame, and by the share of its points that a person painted.
  */
 export type ColorMode =
-  'rgb' | 'intensity' | 'height' | 'distance' | 'normal' | 'plain' | 'label' | 'confidence' | 'provenance'; // prettier-ignore
+  'rgb' | 'intensity' | 'height' | 'distance' | 'normal' | 'plain' | 'label' | 'confidence' | 'provenance' | 'sensor'; // prettier-ignore
 
 /** Colours of values: perceptually even, grey, or of a rainbow. */
 export type Ramp = 'even' | 'grey' | 'rainbow';

@@ -3,6 +3,7 @@ import { framesAround } from '../cloud/points/accumulation';
 import { actions } from '../store/actions';
 import { clipBox } from './clip';
 import type { Brush } from '../protocol/messages';
+import { hiddenSensors } from '../store/sensors';
 import { peek } from '../store/watch';
 import { activeLabel, activeLabelHidden, canEdit, isStroke, notify, state } from '../store/state';
 import { locallyHiddenLabels } from './seen';
@@ -39,6 +40,7 @@ export function brushNow(way: Way, radius: number): Brush | null {
     through: through && way.through,
     ...(way.name === 'object' && { take_labelled: takeLabelled }),
     hidden: locallyHiddenLabels(),
+    hidden_sensors: [...hiddenSensors.peek()],
     frames: framesAround(),
     clip: peek(clipBox),
   };

@@ -67,7 +67,7 @@ class Page {
   /** Shrink coarse points to the size of finer chunks that cover the same place. */
   setDensity(factor: number): void {
     const { piece } = this;
-    if (piece) this.table.setRow(this.row, piece.origin, piece.scale, factor);
+    if (piece) this.table.setRow(this.row, piece, factor);
   }
 
   clear(): void {

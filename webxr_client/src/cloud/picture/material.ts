@@ -5,6 +5,7 @@ import type { ColorMode, ViewSettings } from '../../store/state';
 import { MAX_CHUNKS } from '../../net/chunk/segment';
 import { writeDensity, type CloudFrame } from '../points/frame';
 import type { PlacedFrame } from '../points/layer';
+import type { Piece } from '../points/piece';
 import { spreadOf, type Range } from '../points/spread';
 import { DOT_VERTEX, PLAIN_FRAGMENT, POINT_FRAGMENT, POINT_VERTEX, SETTING_ROWS } from './shaders';
 
@@ -19,12 +20,14 @@ const COLOR_MODES = {
   label: 6,
   confidence: 6,
   provenance: 6,
+  sensor: 7,
 } as const;
 const RAMPS = { even: 0, grey: 1, rainbow: 2 } as const;
 
 /** Return the mode of a recording with these fields when `wanted` is asked for. */
 export function colorModeOf(wanted: ColorMode, fields: readonly string[]): ColorMode {
   let mode = wanted;
+  if (mode === 'sensor' && !fields.includes('sensor')) mode = 'rgb';
   if (mode === 'rgb' && !fields.includes('rgb')) mode = 'intensity';
   if (mode === 'intensity' && !fields.includes('intensity')) mode = 'height';
   return mode;
@@ -52,7 +55,7 @@ const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
 const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND, SURFACE] = [28, 32, 33, 34, 35];
-const [INTENSITY_FIT, MAPPING] = [36, 38];
+const [INTENSITY_FIT, MAPPING, SEVERAL_SENSORS] = [36, 38, 39];
 const CLIP = 40;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE] = [20, 23, 24, 25];
 const [HALF_HEIGHT, OUTLINING] = [26, 27];
@@ -183,6 +186,11 @@ export class PointUniforms {
     this.settings.value[MAPPING] = MAPPINGS.indexOf(mapping);
   }
 
+  /** Points have the colours of their sensors, and hidden sensors' points are left out. */
+  setSeveralSensors(on: boolean): void {
+    this.settings.value[SEVERAL_SENSORS] = on ? 1 : 0;
+  }
+
   /** Points that have a label are not lit. */
   setOnlyUnlabeled(on: boolean): void {
     this.settings.value[ONLY_UNLABELED] = on ? 1 : 0;
@@ -239,20 +247,21 @@ export class ChunkTable {
     for (let i = 0; i < frame.pieces.length; i++) {
       const piece = frame.pieces[i]!;
       const row = piece.index % MAX_CHUNKS;
-      this.place(row, piece.origin, piece.scale);
+      this.place(row, piece);
       writeDensity(this.data, row * 8 + 3, frame, piece, shown);
     }
     this.upload();
   }
 
-  setRow(row: number, origin: readonly number[], scale: readonly number[], factor: number): void {
-    this.place(row, origin, scale);
+  setRow(row: number, piece: Piece, factor: number): void {
+    this.place(row, piece);
     this.data[row * 8 + 3] = factor;
   }
 
-  private place(row: number, origin: readonly number[], scale: readonly number[]): void {
+  private place(row: number, { origin, scale, sensor }: Piece): void {
     const { data } = this;
     const { min, max } = this.changed;
+    data[row * 8 + 7] = sensor;
     for (let k = 0; k < 3; k++) {
       data[row * 8 + k] = origin[k]!;
       data[row * 8 + 4 + k] = scale[k]!;

@@ -10,6 +10,8 @@ export const PREVIEW = 65534;
 export const PREDICTED = 65024;
 export const MOST_CLASSES = 64;
 export const SURE_STEPS = 4;
+/** The first of the ids with the colours of sensors, which no point has. */
+export const SENSORS = 65280;
 /** Points of a place that is asked about: in their own colours, and in the headset they pulse. */
 export const QUESTION_ID = 65344;
 /** The first of the ids for labels of a copy, and for differences of two copies. */
@@ -81,6 +83,13 @@ export class PaletteTexture {
   /** Colours of the ids from `OTHERS` on, "#rrggbb". */
   setOthers(colors: readonly string[]): void {
     this.paint(OTHERS, colors.slice(0, MOST_OTHERS), FLAG_VISIBLE);
+  }
+
+  /** Colours of the recording's sensors, "#rrggbb", and the numbers of hidden ones. */
+  setSensors(colors: readonly string[], hidden: ReadonlySet<number>): void {
+    colors.forEach((color, sensor) => {
+      this.paint(SENSORS + sensor, [color], hidden.has(sensor) ? 0 : FLAG_VISIBLE);
+    });
   }
 
   private paint(first: number, colors: readonly string[], flags: number, white = 0): void {

@@ -14,12 +14,13 @@ precision highp sampler2D;
 
 #ifdef LATTICE
 vec4 colour;
+uniform int sensor;
 #else
 in vec3 quantised;
 in vec4 colour;      // r, g, b, intensity
 in float stamp;      // chunk * 64 + size code
 in float label;
-uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale
+uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale + sensor
 uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
 #endif
 
@@ -36,7 +37,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define pixelsPerMetre settings[0].x            // at distance 1: viewport height / 2 * point size setting
 #define pixelLimits settings[0].yz
 #define gain settings[0].w
-#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance, 5 normal, 6 label
+#define colourMode int(settings[1].x)           // 0 rgb, 1 intensity, 2 height, 3 plain, 4 distance, 5 normal, 6 label, 7 sensor
 #define hasIntensity int(settings[1].y)
 #define labelBlend settings[1].z
 #define hideUnlabeled int(settings[1].w)
@@ -59,6 +60,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define pulse settings[6].y                     // 0..1, of labels that a person should look at
 #define outlining settings[6].w                 // 1: alpha marks the points of a click's candidate
 #define mapping int(settings[9].z)              // 1: classes, shaded; 2: the recording's colours alone
+#define severalSensors (settings[9].w > 0.5)
 
 out vec4 shade;
 #ifndef SURFACE
@@ -158,6 +160,7 @@ void main() {
   int row = chunkRow >= 0 ? chunkRow : word >> 6;
   vec4 origin = texelFetch(chunkTable, ivec2(0, row), 0);
   vec4 scale = texelFetch(chunkTable, ivec2(1, row), 0);
+  int sensor = int(scale.w);
   vec3 position = origin.xyz + quantised * scale.xyz;
   float spacing = 0.0005 * exp2(float(word & 63) * 0.25) * origin.w;
   int id = int(label);
@@ -171,7 +174,8 @@ void main() {
   }
   position = (at * vec4(position, 1.0)).xyz;
 #endif
-  if (isHidden(id, position)) {
+  vec4 ofSensor = severalSensors ? entryOf(65280 + sensor) : vec4(1.0);
+  if (isHidden(id, position) || (flagsOf(ofSensor) & 128) == 0) {
     leaveOut();
     return;
   }
@@ -191,6 +195,7 @@ void main() {
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
   else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);
+  else if (colourMode == 7) base = ofSensor.rgb * mix(0.55, 1.15, lightness());
   else {
     base = vec3(0.72, 0.74, 0.77);
     if (colourMode == 6) base *= mix(0.55, 1.15, lightness());

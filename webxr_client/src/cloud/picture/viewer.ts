@@ -173,7 +173,6 @@ export class Viewer {
   private clear(): void {
     this.release();
     this.shown = null;
-    this.surface.reset();
     this.invalidate();
   }
 
@@ -206,6 +205,13 @@ export class Viewer {
     this.eyeDome.shade(view.eyeDome, isPlain(view.color));
     this.surface.mode = view.surface;
     this.backdrop.showFloor(view.grid);
+    this.invalidate();
+  }
+
+  /** Colours of several sensors, "#rrggbb", and the numbers of hidden ones. */
+  setSensors(colors: readonly string[], hidden: ReadonlySet<number>): void {
+    this.palette.setSensors(colors, hidden);
+    this.uniforms.setSeveralSensors(colors.length > 0);
     this.invalidate();
   }
 
@@ -343,7 +349,7 @@ export class Viewer {
   /** Draw the frame as a surface or as points, by how near an eye is. */
   private chooseSurface(camera: PerspectiveCamera): void {
     const { uniforms, shown, room } = this;
-    const on = this.surface.update(shown?.image ?? null, camera, room.matrixWorld, this.viewHeight);
+    const on = this.surface.update(shown?.images ?? [], camera, room.matrixWorld, this.viewHeight);
     if (on === uniforms.surface) return;
     uniforms.surface = on;
     this.slots?.showSurface(on);

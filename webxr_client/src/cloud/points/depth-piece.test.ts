@@ -33,7 +33,7 @@ function wall(level: 0 | 1, colours: Colours | null): Segment {
   for (const pixel of pixels) depths[pixel] = depths[pixel - level] = 2000;
   const [origin, scale] = [[-1, -1, 0], [1 / 32768, 1 / 32768, 0.001]] as const; // prettier-ignore
   const first = level * pixels.length;
-  const chunk = { index: level, level, first, count: pixels.length, start: 0, origin, scale, lo: origin, hi: [1, 1, 2] }; // prettier-ignore
+  const chunk = { index: level, level, first, count: pixels.length, sensor: 0, start: 0, origin, scale, lo: origin, hi: [1, 1, 2] }; // prettier-ignore
   return {
     sequence: 's',
     frame: 0,
@@ -42,7 +42,7 @@ function wall(level: 0 | 1, colours: Colours | null): Segment {
     count: pixels.length,
     chunks: [chunk as unknown as Segment['chunks'][number]],
     vertices: new ArrayBuffer(0),
-    image: { lattice: LATTICE, depths, colours },
+    images: [{ sensor: 0, mount: null, lattice: LATTICE, depths, colours }],
     nbytes: 0,
     decodeMs: 0,
   };
@@ -56,7 +56,7 @@ describe('a frame that comes as a depth image', () => {
     expect(frame.add(coarse)).toBe(true);
     expect(frame.add(fine)).toBe(true);
     expect(frame.complete).toBe(true);
-    expect(frame.image).toMatchObject({ depths: fine.image!.depths, colours: COLOURS });
+    expect(frame.images).toMatchObject([{ depths: fine.images[0]!.depths, colours: COLOURS }]);
     const vertices = coarse.vertices.byteLength + fine.vertices.byteLength;
     expect(frame.bytes).toBe(vertices + 2 * SIDE * SIDE + COLOURS.bytes.length);
   });
@@ -73,6 +73,6 @@ describe('a frame that comes as a depth image', () => {
   it('gives all its memory back', () => {
     expect(frame.release()).toHaveLength(4);
     expect(frame.bytes).toBe(0);
-    expect(frame.image).toBeNull();
+    expect(frame.images).toEqual([]);
   });
 });

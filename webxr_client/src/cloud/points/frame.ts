@@ -27,8 +27,8 @@ export class CloudFrame {
   /** Grow with every change of points, and of labels. */
   pointsVersion = 0;
   labelsVersion = 0;
-  /** A depth camera's; null where points came as points. */
-  image: DepthImage | null = null;
+  /** Of depth cameras; none where points came as points. */
+  images: readonly DepthImage[] = [];
   readonly overlays = new Map<string, Overlay>();
   /** Prediction, as ids of the palette's texture; null: none. */
   predicted: Predicted | null = null;
@@ -53,7 +53,7 @@ export class CloudFrame {
     const chunks = segment.chunks.filter((chunk) => !this.has(chunk));
     this.total = segment.total;
     if (!this.large && chunks.length > 0 && chunks[0]!.first !== this.loaded) return false;
-    if (segment.image && chunks.length > 0) this.sharpen(segment.image);
+    if (chunks.length > 0) for (const image of segment.images) this.sharpen(image);
     const bytes = new Uint8Array(segment.vertices);
     for (const chunk of chunks) this.addPiece(this.pieceFrom(chunk, bytes));
     this.complete ||= segment.final && (this.large || this.loaded === this.total);
@@ -64,14 +64,22 @@ export class CloudFrame {
   }
 
   private pieceFrom(chunk: SegmentChunk, segment: Uint8Array<ArrayBuffer>): Piece {
-    return this.image ? depthPiece(this, chunk) : pieceOf(chunk, segment);
+    return this.imageOf(chunk.sensor) ? depthPiece(this, chunk) : pieceOf(chunk, segment);
+  }
+
+  /** The image of a depth camera; undefined where its points came as points. */
+  imageOf(sensor: number): DepthImage | undefined {
+    return this.images.find((image) => image.sensor === sensor);
   }
 
   /** Take in an image with more pixels, which keeps the colours where it brings none. */
   private sharpen(image: DepthImage): void {
-    const before = this.image;
-    this.image = { ...image, colours: image.colours ?? before?.colours ?? null };
-    const held = imageBuffers(this.image);
+    const { images } = this;
+    const at = images.findIndex(({ sensor }) => sensor === image.sensor);
+    const before = images[at];
+    const after = { ...image, colours: image.colours ?? before?.colours ?? null };
+    this.images = before ? images.with(at, after) : [...images, after];
+    const held = imageBuffers(after);
     for (const buffer of held) this.hold(buffer);
     if (!before) return;
     for (const buffer of imageBuffers(before)) if (!held.includes(buffer)) this.drop(buffer);
@@ -136,7 +144,7 @@ export class CloudFrame {
     this.loaded = 0;
     this.bytes = 0;
     this.complete = false;
-    this.image = null;
+    this.images = [];
     this.pointsVersion += 1;
     const buffers = [...this.buffers];
     this.buffers.clear();

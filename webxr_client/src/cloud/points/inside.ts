@@ -3,7 +3,7 @@ import type { Matrix4 } from 'three';
 import { BLOCK } from './blocks';
 import { shows } from './clipping';
 import type { CloudFrame } from './frame';
-import { blocksOf, type Piece } from './piece';
+import { blocksOf, isHidden, type Piece } from './piece';
 
 /** Corners in normalised device coordinates, x right and y up. */
 export type Outline = readonly (readonly [number, number])[];
@@ -27,6 +27,7 @@ export function insideOutline(
   const [low, high] = span(outline, 1);
   const bounds = [left, right, low, high] as const;
   for (const piece of frame.pieces) {
+    if (isHidden(piece)) continue;
     const { words, origin, scale } = piece;
     const blocks = blocksOf(piece);
     for (let block = 0, first = 0; first < piece.count; block++, first += BLOCK) {

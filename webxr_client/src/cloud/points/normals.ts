@@ -19,12 +19,16 @@ const LEVELS = Int8Array.from({ length: SIZE_CODES }, (_, code) =>
 
 /**
  * Colours (3 bytes a point) of the points of `pieces`: red, green and blue are the normal's parts
- * along the axes of the room, −1..1 as 0..255.  Normals point to the sensor, at the local origin.
+ * along the axes of the room, −1..1 as 0..255.  Normals point to the sensor at `eye`, local metres.
  *
  * Spacing differs between near and far, and so do cells: each point counts in a cell of its own
  * size and in the one twice as wide, where coarser neighbours look for it.
  */
-export function normalColours(pieces: readonly Piece[], room: Matrix4): Uint8Array {
+export function normalColours(
+  pieces: readonly Piece[],
+  room: Matrix4,
+  eye: ArrayLike<number> = [0, 0, 0],
+): Uint8Array {
   const { xyz, levels, points } = gather(pieces);
   const grid = new Grid(2 * points);
   const own = new Int32Array(points);
@@ -48,7 +52,8 @@ export function normalColours(pieces: readonly Piece[], room: Matrix4): Uint8Arr
     let x = normals[at]!;
     let y = normals[at + 1]!;
     let z = normals[at + 2]!;
-    if (x * xyz[3 * i]! + y * xyz[3 * i + 1]! + z * xyz[3 * i + 2]! > 0) [x, y, z] = [-x, -y, -z];
+    const [dx, dy, dz] = [xyz[3 * i]! - eye[0]!, xyz[3 * i + 1]! - eye[1]!, xyz[3 * i + 2]! - eye[2]!]; // prettier-ignore
+    if (x * dx + y * dy + z * dz > 0) [x, y, z] = [-x, -y, -z];
     for (let k = 0; k < 3; k++) {
       const part = e[k]! * x + e[4 + k]! * y + e[8 + k]! * z;
       colours[3 * i + k] = Math.max(0, Math.min(255, Math.round(NONE + 127 * part)));

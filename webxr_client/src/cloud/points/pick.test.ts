@@ -1,9 +1,12 @@
 import type { Vec } from '../../store/types';
 import { describe, expect, it } from 'vitest';
+import { hiddenSensors } from '../../store/sensors';
 import { boundBlocks } from './blocks';
+import { CloudFrame } from './frame';
+import { insideOutline } from './inside';
 import { DELETED } from './piece';
-import { alongRay, firstHit, inCapsule } from './pick';
-import { frameOf, wall } from './testing';
+import { alongRay, firstHit, inBox, inCapsule } from './pick';
+import { frameOf, segmentOf, wall } from './testing';
 
 /** Two walls, 1 m and 2 m away. */
 const frame = frameOf(wall(40, 1000), wall(40, 2000));
@@ -95,4 +98,33 @@ describe('points under the brush', () => {
     expect(found).toEqual(brute((x, y) => Math.hypot(x - 0.2, y - 0.2) <= 0.035));
     expect(found.some((point) => point >= 1600)).toBe(true);
   });
+});
+
+it('finds no point of a hidden sensor', () => {
+  const segment = segmentOf([wall(40, 1000), wall(40, 2000)]);
+  const chunks = segment.chunks.map((chunk, sensor) => ({ ...chunk, sensor }));
+  const frame = new CloudFrame(0, false);
+  frame.add({ ...segment, chunks });
+  const eye: Vec = [0.2, 0.2, 0];
+  // All points project to where they are, and lie before the camera.
+  const clip = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1];
+  const square = [[0, 0], [0.4, 0], [0.4, 0.4], [0, 0.4]] as const; // prettier-ignore
+  const ways = [
+    (found: (point: number) => void) => alongRay(frame, eye, forward, 0.1, found),
+    (found: (point: number) => void) => inCapsule(frame, eye, [0.2, 0.2, 2], 0.1, found),
+    (found: (point: number) => void) => inBox(frame, [0.2, 0.2, 1.5], [0.2, 0.2, 2], [0, 0, 0, 1], found), // prettier-ignore
+    (found: (point: number) => void) => insideOutline(frame, square, clip, found),
+  ];
+  const shown = ways.map(collect);
+  hiddenSensors.value = new Set([0]);
+  try {
+    expect(firstHit(frame, eye, forward, 0.05)?.distance).toBeCloseTo(2, 3);
+    ways.forEach((way, i) => {
+      const rest = shown[i]!.filter((point) => point >= 1600);
+      expect(rest.length).toBeLessThan(shown[i]!.length);
+      expect(collect(way)).toEqual(rest);
+    });
+  } finally {
+    hiddenSensors.value = new Set();
+  }
 });

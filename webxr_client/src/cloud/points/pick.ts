@@ -4,7 +4,7 @@ import type { Vec } from '../../store/types';
 import { BLOCK } from './blocks';
 import { shows } from './clipping';
 import { densityFactor, type CloudFrame } from './frame';
-import { blocksOf, DELETED, spacingAt, type Piece } from './piece';
+import { blocksOf, DELETED, isHidden, spacingAt, type Piece } from './piece';
 
 export interface Hit {
   /** Metres along the (unit) ray. */
@@ -41,7 +41,7 @@ export function firstHit(
   measures[RADIUS] = radius;
   for (let number = 0; number < frame.pieces.length; number++) {
     const piece = frame.pieces[number]!;
-    if (!boxMeetsRay(piece.lo, piece.hi)) continue;
+    if (isHidden(piece) || !boxMeetsRay(piece.lo, piece.hi)) continue;
     const factor = densityFactor(frame, piece);
     const { words } = piece;
     const blocks = blocksOf(piece);
@@ -184,7 +184,7 @@ function eachPoint(
 ): void {
   for (let number = 0; number < frame.pieces.length; number++) {
     const piece = frame.pieces[number]!;
-    if (!meets(piece.lo, piece.hi)) continue;
+    if (isHidden(piece) || !meets(piece.lo, piece.hi)) continue;
     const { words, origin, scale } = piece;
     const blocks = blocksOf(piece);
     for (let block = 0, first = 0; first < piece.count; block++, first += BLOCK) {

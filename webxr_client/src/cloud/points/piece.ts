@@ -1,6 +1,7 @@
 /** The points of one chunk in the page's memory, with their labels. */
 import type { LabelUpdate } from '../../net/wire';
 import { spacingOf, STRIDE, WORDS, type SegmentChunk } from '../../net/chunk/segment';
+import { hiddenSensors } from '../../store/sensors';
 import { boundBlocks } from './blocks';
 
 /** The value of a deleted point on the wire. */
@@ -10,6 +11,7 @@ export const DELETED = 65535;
 export interface Piece {
   readonly index: number;
   readonly level: number;
+  readonly sensor: number;
   /** Stored number of the first point. */
   readonly first: number;
   readonly count: number;
@@ -35,6 +37,11 @@ export interface Piece {
 export function pieceOf(chunk: SegmentChunk, segment: Uint8Array<ArrayBuffer>): Piece {
   const words = new Uint16Array(segment.buffer, chunk.start * STRIDE, chunk.count * WORDS);
   return { ...chunk, words, segment, pixels: null, blocks: null, labels: null, labelsVersion: 0 };
+}
+
+/** Whether its sensor is hidden here: rays pass its points, and strokes leave them. */
+export function isHidden({ sensor }: Piece): boolean {
+  return hiddenSensors.peek().has(sensor);
 }
 
 /** Take the server's values, run by run. */

@@ -1,7 +1,7 @@
 /** Range of most of a frame's values, over which ramps of colour run. */
 import type { Matrix4 } from 'three';
 import type { CloudFrame } from './frame';
-import { samplePoints } from './samples';
+import { eachSample, samplePoints } from './samples';
 
 /** Number of sampled points. */
 const SAMPLES = 4000;
@@ -19,12 +19,11 @@ export interface Spread {
 
 /** The spread of a frame's coarsest points, which are an even part of it; null without any. */
 export function spreadOf(frame: CloudFrame, room: Matrix4): Spread | null {
-  const piece = frame.pieces[0];
-  if (!piece || piece.count === 0) return null;
-  const step = Math.max(1, Math.floor(piece.count / SAMPLES));
   const heights = Float32Array.from(samplePoints(frame, room, SAMPLES), ({ y }) => y);
-  const intensities = heights.map((_, k) => (piece.words[6 * k * step + 4]! >> 8) / 255);
-  return { height: between(heights), intensity: between(intensities) };
+  if (heights.length === 0) return null;
+  const intensities: number[] = [];
+  eachSample(frame, SAMPLES, ({ words }, i) => intensities.push((words[6 * i + 4]! >> 8) / 255));
+  return { height: between(heights), intensity: between(Float32Array.from(intensities)) };
 }
 
 function between(values: Float32Array): Range {

@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { beforeAll, describe, expect, it } from 'vitest';
-import type { Chunk, Frame } from '../../protocol/messages';
+import type { Chunk, Frame, SequenceInfo } from '../../protocol/messages';
 import { decodeFrame, ready } from './decode';
 import { finishChunk } from './density';
 import { BufferPool } from './pool';
@@ -13,6 +13,7 @@ const golden = JSON.parse(readFileSync(new URL('frame_small.json', GOLDEN), 'utf
   chunks: Chunk[];
   decoded_base64: string;
 };
+const alone = { sensors: [] as unknown } as SequenceInfo;
 const message: Frame = {
   type: 'frame',
   sequence: 's',
@@ -28,7 +29,7 @@ describe('a frame that Python encoded', () => {
 
   beforeAll(async () => {
     await ready;
-    segment = decodeFrame(message, new BufferPool(1 << 20));
+    segment = decodeFrame(message, alone, new BufferPool(1 << 20));
   });
 
   it('has the very points', () => {
@@ -65,7 +66,7 @@ describe('a frame that Python encoded', () => {
     const old = JSON.parse(text) as { count: number; data_base64: string; decoded_base64: string };
     const bytes = new Uint8Array(Buffer.from(old.data_base64, 'base64'));
     const chunk = { ...golden.chunks[0]!, count: old.count, offset: 0, nbytes: bytes.length };
-    const read = decodeFrame({ ...message, chunks: [chunk], data: bytes }, new BufferPool(1 << 20));
+    const read = decodeFrame({ ...message, chunks: [chunk], data: bytes }, alone, new BufferPool(1 << 20)); // prettier-ignore
     const expected = Buffer.from(old.decoded_base64, 'base64');
     const got = Buffer.from(read.vertices, 0, old.count * 12);
     for (let at = 0; at < expected.length; at += 12) {
@@ -108,7 +109,7 @@ describe('a frame that Python encoded', () => {
   it('refuses bytes that are cut off', () => {
     const [chunk] = golden.chunks;
     const cut: Frame = { ...message, chunks: [{ ...chunk!, nbytes: 100 }] };
-    expect(() => decodeFrame(cut, new BufferPool(1 << 20))).toThrow();
+    expect(() => decodeFrame(cut, alone, new BufferPool(1 << 20))).toThrow();
   });
 });
 

@@ -15,6 +15,8 @@ export interface SegmentChunk {
   /** Stored number of the first point. */
   readonly first: number;
   readonly count: number;
+  /** Number of the sensor that all points are of; 0 in a recording of one sensor. */
+  readonly sensor: number;
   /** Offset of the points in the segment's vertices, in points. */
   readonly start: number;
   readonly origin: readonly [number, number, number];
@@ -25,7 +27,11 @@ export interface SegmentChunk {
 
 /** A depth camera's frame as the GPU takes it. */
 export interface DepthImage {
+  /** Number of the camera among the recording's sensors. */
+  readonly sensor: number;
   readonly lattice: Lattice;
+  /** `T_local_lattice`, row-major; null: the lattice is in local coordinates. */
+  readonly mount: readonly number[] | null;
   /** Distance of each pixel in units, row by row; 0 without a point. */
   readonly depths: Uint16Array<ArrayBuffer>;
   /** The finest picture; null: in a segment the one before counts, else there is none. */
@@ -60,16 +66,16 @@ export interface Segment {
    * a depth image.
    */
   readonly vertices: ArrayBuffer;
-  /** Depth image with the pixels that have come so far; null where points come as points. */
-  readonly image: DepthImage | null;
+  /** Depth images with the pixels that have come so far; none where points come as points. */
+  readonly images: readonly DepthImage[];
   /** Bytes on the wire, and the time to decode them. */
   readonly nbytes: number;
   readonly decodeMs: number;
 }
 
 /** The memory of a segment, which goes from thread to thread with it. */
-export function buffersOf({ vertices, image }: Segment): ArrayBuffer[] {
-  return image ? [vertices, ...imageBuffers(image)] : [vertices];
+export function buffersOf({ vertices, images }: Segment): ArrayBuffer[] {
+  return [vertices, ...images.flatMap(imageBuffers)];
 }
 
 export function imageBuffers({ depths, colours }: DepthImage): ArrayBuffer[] {

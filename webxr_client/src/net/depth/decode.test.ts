@@ -1,6 +1,9 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
+import { CloudFrame } from '../../cloud/points/frame';
+import { decode } from '../../protocol/codec';
 import type { Depth, DepthChunk, Lattice, SequenceInfo } from '../../protocol/messages';
+import { ready } from '../chunk/decode';
 import { BufferPool } from '../chunk/pool';
 import { spacingOf, type Segment } from '../chunk/segment';
 import { DepthDecoder } from './decode';
@@ -20,6 +23,13 @@ interface Golden {
   xyz_base64: string;
   pixels: number[];
   pictures: { width: number; nbytes: number; rgb_base64: string }[];
+}
+
+interface Rig {
+  position_error: number;
+  every: number;
+  xyz_base64: string;
+  sensor: number[];
 }
 
 function readGolden(name: string): { data: Uint8Array; golden: Golden; xyz: Float32Array } {
@@ -49,14 +59,16 @@ type View = Pick<Golden, 'lattice' | 'lo' | 'hi'>;
 function decoderOf(golden: Golden, { lattice, lo, hi }: View = golden): DepthDecoder {
   const read = (jpeg: Uint8Array) => Promise.resolve(pictureOf(golden, jpeg));
   const decoder = new DepthDecoder(new BufferPool(1 << 20), read);
-  decoder.open({ identity: 'i', lattice, lo, hi } as SequenceInfo);
+  decoder.open({ identity: 'i', lattice, lo, hi, sensors: [] as unknown } as SequenceInfo);
   return decoder;
 }
 
 /** Chunks [first, stop) of a frame as a message. */
 function message(data: Uint8Array, { chunks, count }: Golden, first: number, stop: number): Depth {
   const start = chunks[first]!.offset;
-  const rows = chunks.slice(first, stop).map((row) => ({ ...row, offset: row.offset - start }));
+  const rows = chunks
+    .slice(first, stop)
+    .map((row) => ({ ...row, sensor: 0, offset: row.offset - start }));
   const end = rows.at(-1)!.offset + rows.at(-1)!.nbytes;
   return {
     type: 'depth',
@@ -70,12 +82,12 @@ function message(data: Uint8Array, { chunks, count }: Golden, first: number, sto
 }
 
 /** The words of a segment's points, chunk by chunk. */
-function wordsOf({ chunks, image }: Segment): Uint16Array[] {
+function wordsOf({ chunks, images: [image] }: Segment): Uint16Array[] {
   const { lattice, depths } = image!;
   return chunks.map((chunk) => {
     const band = bandsOf(lattice)[chunk.index]!;
     const pixels = pointsOf(band, lattice.width, depths, chunk.count);
-    return unproject(lattice, chunk, chunk.index, band, pixels, depths);
+    return unproject(image!, chunk, chunk.index, band, pixels);
   });
 }
 
@@ -104,7 +116,7 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
         const coming = decoder.receive(message(data, golden, parts[i]!, parts[i + 1]!));
         const segment = await decoder.decode(coming);
         found.push(...positions(segment));
-        depths = segment.image!.depths;
+        depths = segment.images[0]!.depths;
       }
       expect(depths).toEqual((whole ??= depths));
       expect(found.length).toBe(golden.count);
@@ -159,7 +171,7 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
     );
     const finest = golden.pictures.find(({ width }) => width === golden.lattice.width)!;
     const rgb = Buffer.from(finest.rgb_base64, 'base64');
-    const { bytes, step } = all.image!.colours!;
+    const { bytes, step } = all.images[0]!.colours!;
     expect(step).toBe(1);
     expect(Buffer.from(bytes).equals(rgb)).toBe(true);
   });
@@ -199,5 +211,56 @@ describe.each(['fine', 'coarse'])('a %s depth image that Python encoded', (name)
     const chunk = { ...cut.chunks[0]!, nbytes: cut.chunks[0]!.nbytes - 200 };
     const decode = async () => decoder.decode(decoder.receive({ ...cut, chunks: [chunk] }));
     await expect(decode()).rejects.toThrow('depth');
+  });
+});
+
+describe('a frame of two depth cameras and a lidar that Python encoded', () => {
+  const golden = JSON.parse(readFileSync(new URL('sensors.json', GOLDEN), 'utf8')) as Rig;
+  const messages = [0, 1].map((i) => {
+    const bytes = readFileSync(new URL(`sensors_${i}.bin`, GOLDEN));
+    return decode(new Uint8Array(bytes).buffer) as Depth;
+  });
+  // Only the size, from the frame header of the JPEG: no browser is here to read it.
+  const read = (jpeg: Uint8Array): Promise<Picture> => {
+    const at = jpeg.findIndex((byte, i) => byte === 0xff && jpeg[i + 1] === 0xc0);
+    const [height, width] = [5, 7].map((i) => 256 * jpeg[at + i]! + jpeg[at + i + 1]!) as [number, number]; // prettier-ignore
+    return Promise.resolve({
+      ...{ width, height },
+      read: () => Promise.resolve({ bytes: new Uint8Array(), planes: new Int32Array(12), luma: false }), // prettier-ignore
+      close: () => undefined,
+    });
+  };
+  const openedDecoder = (): DepthDecoder => {
+    const decoder = new DepthDecoder(new BufferPool(1 << 20), read);
+    decoder.open({ identity: 'i', lattice: null, ...golden } as unknown as SequenceInfo);
+    return decoder;
+  };
+
+  it('has every point where its mount puts it, an image a camera, and points beside them', async () => {
+    await ready;
+    const decoder = openedDecoder();
+    const frame = new CloudFrame(0, false);
+    for (const message of messages) {
+      frame.add(await decoder.decode(decoder.receive(message)));
+    }
+    expect(frame.complete).toBe(true);
+    expect(frame.images.map(({ sensor }) => sensor)).toEqual([0, 1]);
+    const xyz = new Float32Array(new Uint8Array(Buffer.from(golden.xyz_base64, 'base64')).buffer);
+    golden.sensor.forEach((sensor, i) => {
+      const number = golden.every * i;
+      const piece = frame.pieceOf(number)!;
+      expect(piece.sensor).toBe(sensor);
+      for (const k of [0, 1, 2] as const) {
+        const at = piece.origin[k] + piece.words[6 * (number - piece.first) + k]! * piece.scale[k];
+        expect(Math.abs(at - xyz[3 * i + k]!)).toBeLessThanOrEqual(golden.position_error);
+      }
+    });
+  });
+
+  it('gives no points of a camera whose earlier chunks were forgotten', async () => {
+    const decoder = openedDecoder();
+    await decoder.decode(decoder.receive(messages[0]!));
+    decoder.forget([0]);
+    expect((await decoder.decode(decoder.receive(messages[1]!))).count).toBe(0);
   });
 });

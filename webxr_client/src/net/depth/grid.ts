@@ -1,30 +1,25 @@
 /** Pixels and their depths → points on a grid of 16 bits, as chunks of points have them. */
-import { sizeCode, MAX_CHUNKS, SIZE_CODES, WORDS } from '../chunk/segment';
+import { bounded, FARTHEST, product, type Grid, type Matrix } from '../chunk/grid';
+import { sizeCode, MAX_CHUNKS, SIZE_CODES, WORDS, type DepthImage } from '../chunk/segment';
 import type { Lattice } from '../../protocol/messages';
-import { FARTHEST, type Band } from './lattice';
+import type { Band } from './lattice';
 
-type Vector = readonly [number, number, number];
-
-/** The depth's own along the camera's axis, across it the recording's box in 65,535 cells. */
-export interface Grid {
-  readonly origin: Vector;
-  readonly scale: Vector;
-}
+type View = Pick<DepthImage, 'lattice' | 'mount'>;
 
 /** `1 << SIZE_SHIFT` depths share a size. */
 const SIZE_SHIFT = 5;
 /** Surfaces are seen askew, most of them by so much: their points lie farther apart. */
 export const SLANT = 1.15;
 
-export function gridOf(lattice: Lattice, lo: Vector, hi: Vector): Grid {
+/** The grid of points in a box; along the axis of a camera without a mount, its depths. */
+export function gridOf({ lattice, mount }: View, box: Grid): Grid {
   const { axis, sign, eye, unit } = lattice;
-  const start = sign > 0 ? eye[axis]! : eye[axis]! - FARTHEST * unit;
-  const along = (side: number, own: number, other: number) => (side === axis ? own : other);
-  const origin = [0, 1, 2].map((side) => along(side, start, lo[side]!));
-  const scale = [0, 1, 2].map((side) =>
-    along(side, unit, Math.max((hi[side]! - lo[side]!) / FARTHEST, 1e-9)),
-  );
-  return { origin, scale } as unknown as Grid;
+  if (mount) return box;
+  const start = eye[axis]! - (sign > 0 ? 0 : FARTHEST * unit);
+  return {
+    origin: box.origin.with(axis, start),
+    scale: box.scale.with(axis, unit),
+  } as unknown as Grid;
 }
 
 /** The axes that columns and rows go along. */
@@ -32,44 +27,54 @@ export function sidesOf({ axis }: Lattice): [number, number] {
   return axis === 0 ? [1, 2] : axis === 1 ? [0, 2] : [0, 1];
 }
 
+/** `T_local_pixel` of a camera: local metres of 1, a depth, and the depth times column and row. */
+export function raysOf({ lattice, mount }: View): Matrix {
+  const { axis, sign, eye, unit, tangent, pitch } = lattice;
+  const [a, b] = sidesOf(lattice);
+  const rays = new Array<number>(16).fill(0);
+  eye.forEach((metres, side) => (rays[4 * side] = metres));
+  rays[12] = 1;
+  rays[4 * axis + 1] = sign * unit;
+  rays[4 * a + 1] = unit * tangent[0];
+  rays[4 * a + 2] = unit * pitch[0];
+  rays[4 * b + 1] = unit * tangent[1];
+  rays[4 * b + 3] = unit * pitch[1];
+  return mount ? product(mount, rays) : rays;
+}
+
 /**
- * Return the words of a chunk's points (see `Piece`), without colours.  `pixels` are row-major,
- * `depths` are of the whole image.
+ * Return the words of a chunk's points (see `Piece`), without colours.  `pixels` are row-major, the
+ * depths are of the whole image.
  */
 export function unproject(
-  lattice: Lattice,
+  image: View & Pick<DepthImage, 'depths'>,
   { origin, scale }: Grid,
   chunk: number,
   band: Band,
   pixels: Uint32Array,
-  depths: Uint16Array,
 ): Uint16Array<ArrayBuffer> {
-  const { width, height, axis, sign, eye, unit, tangent, pitch } = lattice;
-  const [a, b] = sidesOf(lattice);
-  const rays = (side: number, i: 0 | 1, count: number) =>
-    Float64Array.from(
-      { length: count },
-      (_, k) => (unit * (tangent[i] + pitch[i] * k)) / scale[side]!,
-    );
-  const [columns, rows] = [rays(a, 0, width), rays(b, 1, height)];
+  const { lattice, depths } = image;
+  const { width, height } = lattice;
+  const rays = raysOf(image);
   // Whole cells are found by rounding down.
-  const [left, top] = [a, b].map((side) => (eye[side]! - origin[side]!) / scale[side]! + 0.5) as [number, number]; // prettier-ignore
+  const [x, y, z] = origin.map((start, k) => (rays[4 * k]! - start) / scale[k]! + 0.5) as [number, number, number]; // prettier-ignore
+  const cells = (of: (k: number, place: number) => number, count: number): Float64Array =>
+    Float64Array.from({ length: 3 * count }, (_, i) => of(i % 3, (i / 3) | 0) / scale[i % 3]!);
+  const columns = cells((k, column) => rays[4 * k + 1]! + rays[4 * k + 2]! * column, width);
+  const rows = cells((k, row) => rays[4 * k + 3]! * row, height);
   const stamps = stampsOf(lattice, chunk, band);
   const words = new Uint16Array(WORDS * pixels.length);
   for (let i = 0, w = 0; i < pixels.length; i++, w += WORDS) {
     const pixel = pixels[i]!;
     const depth = depths[pixel]!;
     const row = (pixel / width) | 0;
-    words[w + axis] = sign > 0 ? depth : FARTHEST - depth;
-    words[w + a] = bounded(left + depth * columns[pixel - row * width]!);
-    words[w + b] = bounded(top + depth * rows[row]!);
+    const [c, r] = [3 * (pixel - row * width), 3 * row];
+    words[w] = bounded(x + depth * (columns[c]! + rows[r]!));
+    words[w + 1] = bounded(y + depth * (columns[c + 1]! + rows[r + 1]!));
+    words[w + 2] = bounded(z + depth * (columns[c + 2]! + rows[r + 2]!));
     words[w + 5] = stamps[depth >> SIZE_SHIFT]!;
   }
   return words;
-}
-
-function bounded(cell: number): number {
-  return cell < 0 ? 0 : cell > FARTHEST ? FARTHEST : cell;
 }
 
 /** Stamps (chunk and size) of a band's points, for depths `1 << SIZE_SHIFT` apart. */

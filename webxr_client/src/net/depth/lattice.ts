@@ -3,8 +3,6 @@ import type { Lattice } from '../../protocol/messages';
 
 /** Rows of a strip: a level's points are numbered strip by strip, column by column within one. */
 export const STRIP = 16;
-/** Greatest depth, in units. */
-export const FARTHEST = 65535;
 const LEVEL0_PIXELS = 4096;
 const CHUNK_PIXELS = 65536;
 

@@ -98,12 +98,13 @@ function Mask({ picture: { name } }: { picture: Camera }) {
 }
 
 /** The picture of a depth camera, drawn from its points. */
-function DepthPicture({ picture: { width, height, name } }: { picture: Camera }) {
+function DepthPicture({ picture }: { picture: Camera }) {
+  const { width, height, name } = picture;
   const canvas = useRef<HTMLCanvasElement>(null);
   const shown = projectedFrame.value;
   useEffect(() => {
     const pen = canvas.current?.getContext('2d');
-    const image = shown?.frame.image;
+    const image = shown?.frame.images[pictures.peek()!.cameras.indexOf(picture)];
     if (!pen || !image) return;
     const pixels = new ImageData(width, height);
     drawDepth(image, pixels);

@@ -7,6 +7,8 @@ import { SurfaceChoice } from './surface-choice';
 const SIDE = 200;
 /** A wall two metres before a camera at the origin; its points are 11.5 mm apart. */
 const IMAGE: DepthImage = {
+  sensor: 0,
+  mount: null,
   lattice: {
     width: SIDE,
     height: SIDE,
@@ -21,13 +23,17 @@ const IMAGE: DepthImage = {
   colours: null,
 };
 
-function chosen(mode: SurfaceMode, metres: number, image: DepthImage | null = IMAGE): boolean {
+function chosen(
+  mode: SurfaceMode,
+  metres: number,
+  images: readonly DepthImage[] = [IMAGE],
+): boolean {
   const choice = new SurfaceChoice();
   choice.mode = mode;
   const camera = new PerspectiveCamera(60, 1, 0.05, 100);
   camera.position.z = metres - 2;
   camera.updateMatrixWorld();
-  return choice.update(image, camera, new Matrix4(), 720);
+  return choice.update(images, camera, new Matrix4(), 720);
 }
 
 it('draws a surface by itself where its points would show gaps', () => {
@@ -38,6 +44,6 @@ it('draws a surface by itself where its points would show gaps', () => {
 it('draws what was asked for, but points where there is no depth image', () => {
   expect(chosen('surface', 6)).toBe(true);
   expect(chosen('points', 1)).toBe(false);
-  expect(chosen('surface', 1, null)).toBe(false);
-  expect(chosen('auto', 1, null)).toBe(false);
+  expect(chosen('surface', 1, [])).toBe(false);
+  expect(chosen('auto', 1, [])).toBe(false);
 });

@@ -1,9 +1,8 @@
 /** Whether a depth image is drawn as a surface: by itself where its points would show gaps. */
 import { Matrix4, Vector4, type Camera } from 'three';
 import type { DepthImage } from '../../../net/chunk/segment';
-import type { Lattice } from '../../../protocol/messages';
 import type { SurfaceMode } from '../../../store/types';
-import { raysOf, stepsOf } from './slot';
+import { raysMatrix, stepsOf } from './part';
 
 /** Pixels on screen between neighbours from which on a surface is drawn, and below which no more. */
 const [GAPS, NO_GAPS] = [2.2, 1.8];
@@ -16,30 +15,34 @@ export class SurfaceChoice {
   on = false;
   private readonly clipFromPixel = new Matrix4();
   private readonly at = new Vector4();
-  private pixels: ReturnType<typeof pixelsOf> | null = null;
-
-  /** Another recording. */
-  reset(): void {
-    this.pixels = null;
-  }
+  private readonly rays = new WeakMap<DepthImage, Matrix4>();
 
   /** Choose for a picture so high, pixels; `sceneFromLocal` of the frame. */
   update(
-    image: DepthImage | null,
+    images: readonly DepthImage[],
     camera: Camera,
     sceneFromLocal: Matrix4,
     height: number,
   ): boolean {
-    if (!image || this.mode !== 'auto')
-      return (this.on = image !== null && this.mode === 'surface');
+    if (this.mode !== 'auto') return (this.on = images.length > 0 && this.mode === 'surface');
     const { clipFromPixel } = this;
-    const { rays, spacing } = (this.pixels ??= pixelsOf(image.lattice));
-    clipFromPixel.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
-    clipFromPixel.multiply(sceneFromLocal).multiply(rays);
     const zoom = Math.cbrt(Math.abs(sceneFromLocal.determinant()));
     const scale = 0.5 * height * camera.projectionMatrix.elements[5] * zoom;
     const most = this.on ? NO_GAPS : GAPS;
-    return (this.on = this.hasGaps(image, (spacing * scale) / most));
+    this.on = false;
+    for (let i = 0; i < images.length && !this.on; i++) {
+      const image = images[i]!;
+      clipFromPixel.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+      clipFromPixel.multiply(sceneFromLocal).multiply(this.raysOf(image));
+      this.on = this.hasGaps(image, (stepsOf(image.lattice).x * scale) / most);
+    }
+    return this.on;
+  }
+
+  private raysOf(image: DepthImage): Matrix4 {
+    let rays = this.rays.get(image);
+    if (!rays) this.rays.set(image, (rays = raysMatrix(image)));
+    return rays;
   }
 
   /** Return whether enough visible pixels are nearer than `reach` metres for each unit of depth. */
@@ -58,8 +61,4 @@ export class SurfaceChoice {
     }
     return gaps > SHARE * inView;
   }
-}
-
-function pixelsOf(lattice: Lattice) {
-  return { rays: raysOf(lattice), spacing: stepsOf(lattice).x };
 }

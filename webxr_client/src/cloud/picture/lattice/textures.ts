@@ -1,9 +1,10 @@
 /** A depth image, its picture and its labels as textures, with a texel for each pixel. */
 import { DataTexture, NearestFilter, RedFormat, RedIntegerFormat, UnsignedByteType, UnsignedShortType, Vector2 } from 'three'; // prettier-ignore
 import type { Matrix4, PixelFormat, TextureDataType, WebGLRenderer } from 'three';
-import type { Colours } from '../../../net/chunk/segment';
+import type { Colours, DepthImage } from '../../../net/chunk/segment';
 import type { Lattice } from '../../../protocol/messages';
 import type { CloudFrame } from '../../points/frame';
+import { raysOf } from '../../../net/depth/grid';
 import { normalColours } from '../../points/normals';
 
 /** Bytes of a pixel in the widest pictures: red, green, blue and a spare one. */
@@ -33,11 +34,11 @@ export class LatticeTextures {
   }
 
   /** Bring over depths and colours, or normals in their place. */
-  writeImage(frame: CloudFrame, normals: Matrix4 | null): void {
-    const { depths, colours } = frame.image!;
+  writeImage(frame: CloudFrame, image: DepthImage, normals: Matrix4 | null): void {
+    const { depths, colours } = image;
     const { width, height } = this.lattice;
     this.write(this.uniforms.depths.value, depths, height);
-    const shown = normals ? normalPicture(frame, normals) : colours;
+    const shown = normals ? normalPicture(frame, image, normals) : colours;
     this.uniforms.planes.value = shown?.planes ?? NO_PLANES;
     this.uniforms.picture.value.set(shown?.step ?? 0, shown?.luma ? 1 : 0);
     if (!shown) return;
@@ -57,10 +58,12 @@ export class LatticeTextures {
     this.renderer.initTexture(to);
   }
 
-  /** Bring over labels in stored order. */
-  writeLabels({ pieces }: CloudFrame, stored: Uint16Array): void {
+  /** Bring over labels in stored order; `plain`: there are none. */
+  writeLabels({ pieces }: CloudFrame, sensor: number, stored: Uint16Array, plain: boolean): void {
     const { labels } = this;
-    for (let i = 0; i < pieces.length; i++) {
+    if (plain) labels.fill(0);
+    for (let i = 0; i < pieces.length && !plain; i++) {
+      if (pieces[i]!.sensor !== sensor) continue;
       const { first, count, pixels } = pieces[i]!;
       for (let k = 0; k < count; k++) labels[pixels![k]!] = stored[first + k]!;
     }
@@ -85,10 +88,12 @@ function texture(
 }
 
 /** Colours of the directions of a frame's surfaces. */
-function normalPicture({ pieces, image }: CloudFrame, room: Matrix4): Colours {
-  const { width, height } = image!.lattice;
+function normalPicture(frame: CloudFrame, image: DepthImage, room: Matrix4): Colours {
+  const { width, height } = image.lattice;
   const bytes = new Uint8Array(MOST_BYTES * width * height);
-  const colours = normalColours(pieces, room);
+  const pieces = frame.pieces.filter(({ sensor }) => sensor === image.sensor);
+  const rays = raysOf(image);
+  const colours = normalColours(pieces, room, [rays[0]!, rays[4]!, rays[8]!]);
   let i = 0;
   for (const { pixels } of pieces) {
     for (const pixel of pixels!) {

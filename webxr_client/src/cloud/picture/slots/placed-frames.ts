@@ -3,8 +3,7 @@ import type { Group, Matrix4, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../../points/frame';
 import type { PlacedFrame } from '../../points/layer';
 import { Placement, type PointUniforms } from '../material';
-import type { Slot } from './slot';
-import { slotFor } from './slots';
+import { Slot } from './slot';
 
 interface PlacedSlot {
   readonly slot: Slot;
@@ -49,8 +48,7 @@ export class PlacedFrames {
     if (!placedSlot) {
       const placement = new Placement();
       const points = Math.max(1, frame.total);
-      const slot = slotFor(frame, this.renderer, points, this.uniforms, placement);
-      slot.object.traverse((part) => part.layers.set(this.layer));
+      const slot = new Slot(this.renderer, this.uniforms, points, this.layer, placement);
       this.room.add(slot.object);
       placedSlot = { slot, placement, placed, version: -1, normals };
       placedSlot.placement.set(placed);

@@ -1,28 +1,13 @@
 /** The slots that a recording's frames are shown from, in turn: one on screen, the next being filled. */
 import type { Group, WebGLRenderer } from 'three';
 import { ALL_POINTS, type CloudFrame } from '../../points/frame';
-import { LatticeSlot } from '../lattice/slot';
-import type { Placement, PointUniforms } from '../material';
-import type { Slot } from './slot';
-import { VertexSlot } from './vertex-slot';
+import type { PointUniforms } from '../material';
+import { Slot } from './slot';
 
 const MOST = 3;
 
-/** A slot for a frame, and for others like it of at most `capacity` points. */
-export function slotFor(
-  { image }: CloudFrame,
-  renderer: WebGLRenderer,
-  capacity: number,
-  uniforms: PointUniforms,
-  placement: Placement | null = null,
-): Slot {
-  if (image) return new LatticeSlot(renderer, image.lattice, uniforms, placement);
-  return new VertexSlot(renderer, capacity, uniforms, placement);
-}
-
 export class Slots {
-  /** Of frames that are points, and of depth images. */
-  private readonly kinds: readonly [Slot[], Slot[]] = [[], []];
+  private readonly slots: Slot[] = [];
   private readonly most: number;
   private current: Slot | null = null;
   private limit = ALL_POINTS;
@@ -57,21 +42,20 @@ export class Slots {
   }
 
   private slotFor(frame: CloudFrame): Slot {
-    const slots = this.kinds[frame.image ? 1 : 0];
+    const { slots } = this;
     for (let i = 0; i < slots.length; i++) if (slots[i]!.frame === frame) return slots[i]!;
-    if (slots.length < this.most) return this.add(slots, frame);
+    if (slots.length < this.most) return this.add();
     // The one after the current was shown longest ago.
     const at = this.current ? slots.indexOf(this.current) : -1;
     return slots[(at + 1) % slots.length]!;
   }
 
-  private add(slots: Slot[], frame: CloudFrame): Slot {
-    const slot = slotFor(frame, this.renderer, this.capacity, this.uniforms);
-    slot.object.traverse((part) => part.layers.set(this.layer));
+  private add(): Slot {
+    const slot = new Slot(this.renderer, this.uniforms, this.capacity, this.layer);
     slot.object.visible = false;
     slot.setLimit(this.limit);
     this.room.add(slot.object);
-    slots.push(slot);
+    this.slots.push(slot);
     return slot;
   }
 
@@ -79,12 +63,12 @@ export class Slots {
   setLimit(points: number): void {
     if (points === this.limit) return;
     this.limit = points;
-    for (const slots of this.kinds) for (const slot of slots) slot.setLimit(points);
+    for (const slot of this.slots) slot.setLimit(points);
   }
 
   /** Draw depth images as surfaces, or no more. */
   showSurface(on: boolean): void {
-    for (const slots of this.kinds) for (const slot of slots) slot.showSurface(on);
+    for (const slot of this.slots) slot.showSurface(on);
   }
 
   /** Points on screen. */
@@ -98,6 +82,6 @@ export class Slots {
   }
 
   dispose(): void {
-    for (const slots of this.kinds) for (const slot of slots) slot.dispose();
+    for (const slot of this.slots) slot.dispose();
   }
 }

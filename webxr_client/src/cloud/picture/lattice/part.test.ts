@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import { trianglesOf } from './slot';
+import { trianglesOf } from './part';
 
 it('makes a surface of no more vertices than there are pixels, each cell twice', () => {
   for (const [columns, rows] of [

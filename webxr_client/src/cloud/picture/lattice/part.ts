@@ -1,39 +1,47 @@
-/** A depth camera's frame: its image in textures, drawn as points and as a surface. */
+/** The image of one depth camera in textures, drawn as points and as a surface. */
 import { BufferAttribute, BufferGeometry, Group, Matrix4, Mesh, Points, RawShaderMaterial, Sphere, Vector2 } from 'three'; // prettier-ignore
 import type { WebGLRenderer } from 'three';
 import { free } from '../../../common/free';
-import { SLANT, sidesOf } from '../../../net/depth/grid';
+import type { DepthImage } from '../../../net/chunk/segment';
+import { raysOf, SLANT } from '../../../net/depth/grid';
 import { bandsOf, type Band } from '../../../net/depth/lattice';
 import type { Lattice } from '../../../protocol/messages';
 import type { CloudFrame } from '../../points/frame';
 import { STEEPEST } from './shader';
 import { LatticeTextures } from './textures';
 import { cloudMaterial, type Placement, type PointUniforms } from '../material';
-import { Slot } from '../slots/slot';
+import type { Part } from '../slots/part';
 
-export class LatticeSlot extends Slot {
+export class LatticePart implements Part {
   readonly object = new Group();
   private readonly textures: LatticeTextures;
   private readonly bands: readonly Band[];
   /** Columns, rows, and pixels between them; of the points, and of the surface. */
   private readonly grids = new Int32Array(8);
+  private readonly rays = new Matrix4();
+  private readonly sensor: number;
+  private readonly lattice: Lattice;
+  /** Its chunks on screen. */
+  private chunks = 0;
   private readonly points: Points<BufferGeometry, RawShaderMaterial>;
   private readonly surface: Mesh<BufferGeometry, RawShaderMaterial>;
 
   constructor(
     renderer: WebGLRenderer,
-    private readonly lattice: Lattice,
+    { sensor, lattice }: DepthImage,
     uniforms: PointUniforms,
     placement: Placement | null,
   ) {
-    super(uniforms, lattice.width * lattice.height);
+    this.sensor = sensor;
+    this.lattice = lattice;
     this.bands = bandsOf(lattice);
     this.textures = new LatticeTextures(renderer, lattice);
     const own = {
       ...this.textures.uniforms,
       grids: { value: this.grids },
-      rays: { value: raysOf(lattice) },
+      rays: { value: this.rays },
       steps: { value: stepsOf(lattice) },
+      sensor: { value: sensor },
     };
     const points = cloudMaterial(uniforms, own, { LATTICE: 1 }, placement);
     const surface = cloudMaterial(uniforms, own, { LATTICE: 1, SURFACE: 1 }, placement);
@@ -53,21 +61,25 @@ export class LatticeSlot extends Slot {
     this.connect();
   }
 
-  protected uploadPoints(frame: CloudFrame): void {
-    this.textures.writeImage(frame, this.normals);
-    this.uploaded = frame.loaded;
+  uploadPoints(frame: CloudFrame, _: number, normals: Matrix4 | null): void {
+    const image = frame.imageOf(this.sensor)!;
+    this.rays.copy(raysMatrix(image));
+    this.textures.writeImage(frame, image, normals);
   }
 
-  protected show({ pieces }: CloudFrame, points: number): void {
-    let last = 0;
-    while (last + 1 < pieces.length && pieces[last + 1]!.first < points) last += 1;
+  show({ pieces }: CloudFrame, points: number): void {
+    this.chunks = 0;
+    for (let i = 0; i < pieces.length && pieces[i]!.first < points; i++) {
+      if (pieces[i]!.sensor === this.sensor) this.chunks += 1;
+    }
     const { bands, grids } = this;
+    const last = Math.max(0, this.chunks - 1);
     this.setGrid(0, bands[last]!);
     // A surface is of whole levels: a level that has come in part has gaps.
     let whole = last;
     while (whole > 0 && bands[whole + 1]?.level === bands[whole]!.level) whole -= 1;
     this.setGrid(4, bands[whole]!);
-    this.points.geometry.setDrawRange(0, points > 0 ? grids[0]! * grids[1]! : 0);
+    this.points.geometry.setDrawRange(0, this.chunks > 0 ? grids[0]! * grids[1]! : 0);
     this.connect();
   }
 
@@ -75,7 +87,7 @@ export class LatticeSlot extends Slot {
   private connect(): void {
     const { grids, surface } = this;
     if (!surface.visible) return;
-    surface.geometry = this.drawn > 0 ? trianglesOf(grids[4]!, grids[5]!) : NOTHING;
+    surface.geometry = this.chunks > 0 ? trianglesOf(grids[4]!, grids[5]!) : NOTHING;
   }
 
   private setGrid(at: number, { down, across, half, vertical }: Band): void {
@@ -85,32 +97,20 @@ export class LatticeSlot extends Slot {
     this.grids.set([Math.ceil(width / x), Math.ceil(height / y), x, y], at);
   }
 
-  protected writeLabels(frame: CloudFrame): void {
-    this.textures.writeLabels(frame, this.labels);
+  writeLabels(frame: CloudFrame, labels: Uint16Array, _: number, all: boolean): void {
+    this.textures.writeLabels(frame, this.sensor, labels, all);
   }
 
   dispose(): void {
-    this.object.removeFromParent();
     free(this.points);
     free(this.surface);
     this.textures.dispose();
   }
 }
 
-/** `T_local_pixel`: local metres of 1, a depth, and the depth times column and row. */
-export function raysOf(lattice: Lattice): Matrix4 {
-  const { axis, sign, eye, unit, tangent, pitch } = lattice;
-  const [a, b] = sidesOf(lattice);
-  const rays = new Matrix4();
-  const e = rays.elements.fill(0);
-  e.splice(0, 3, ...eye);
-  e[4 + axis] = sign * unit;
-  e[4 + a] = unit * tangent[0];
-  e[4 + b] = unit * tangent[1];
-  e[8 + a] = unit * pitch[0];
-  e[12 + b] = unit * pitch[1];
-  e[3] = 1;
-  return rays;
+/** `T_local_pixel` of a camera, see `raysOf`. */
+export function raysMatrix(image: DepthImage): Matrix4 {
+  return new Matrix4().set(...(raysOf(image) as Parameters<Matrix4['set']>));
 }
 
 /** At one unit of depth: metres between neighbours, and units between them on the steepest surface. */
@@ -121,8 +121,8 @@ export function stepsOf({ unit, pitch }: Lattice): Vector2 {
 
 /** Cells along each side of a tile: triangles that follow one another share corners. */
 const TILE = 16;
-/** Most grids with cached triangles: all levels of one lattice. */
-const MOST_GRIDS = 16;
+/** Most grids with cached triangles: all levels of four lattices. */
+const MOST_GRIDS = 64;
 const NOTHING = new BufferGeometry();
 NOTHING.boundingSphere = new Sphere();
 const made = new Map<string, BufferGeometry>();
