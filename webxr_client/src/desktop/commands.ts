@@ -28,6 +28,7 @@ import {
   type ViewSettings,
 } from '../store/state';
 import { accumulation } from '../cloud/points/accumulation';
+import { colourFields } from '../store/sensors';
 import { chooseTheme, theme } from '../store/theme';
 import { clip } from '../tools/clip';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
@@ -86,7 +87,7 @@ function colour(color: ColorMode, what: string, field = ''): Ungrouped {
   return plain(
     `Colour points by ${what}`,
     () => view.setView({ color }),
-    () => inRecording() && (!field || (state.sequence.peek()?.fields ?? []).includes(field)),
+    () => inRecording() && (!field || colourFields.peek().includes(field)),
   );
 }
 
@@ -171,6 +172,7 @@ const VIEW = [
   colour('distance', 'distance'),
   colour('normal', 'surface direction'),
   colour('plain', 'one colour'),
+  colour('sensor', 'sensor', 'sensor'),
   colour('provenance', 'how they were labelled'),
   plain('Neighbouring frames: overlay or not', () =>
     patch(accumulation, { on: !accumulation.peek().on }),

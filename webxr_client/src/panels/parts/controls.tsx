@@ -96,7 +96,7 @@ export function Slider(props: SliderProps) {
 }
 
 interface CheckProps {
-  label: string;
+  label: ComponentChildren;
   checked: boolean;
   tip?: string;
   keys?: string;

@@ -9,6 +9,7 @@ import { activeLabel, isStroke, state, type Hover } from '../../store/state';
 import { AccumulateSign } from './accumulate';
 import { CameraPanel } from './cameras';
 import { ClipSign } from './clip';
+import { SensorsSign } from './sensors';
 import { Button, Swatch } from '../parts/controls';
 import { listOpen } from '../../store/palette-list';
 import { plural, metres, shortCount } from '../../common/format';
@@ -49,6 +50,7 @@ function InRecording() {
       <div class="signs small">
         <AccumulateSign />
         <ClipSign />
+        <SensorsSign />
       </div>
       <CameraPanel />
       <Readout />

@@ -4,10 +4,12 @@ import { actions } from '../../store/actions';
 import { colorModeOf } from '../../cloud/picture/material';
 import { BETWEEN, PAINTED, SURE, TRACKED, UNKNOWN, UNSURE } from '../../engine/labels/colouring';
 import { type ColorMode, type Ramp, state } from '../../store/state';
+import { colourFields, hasDepth } from '../../store/sensors';
 import type { SurfaceMode } from '../../store/types';
 import { AccumulateButton } from './accumulate';
 import { CamerasButton } from './cameras';
 import { ClipButton } from './clip';
+import { SensorsButton } from './sensors';
 import { Check, Slider, Swatch } from '../parts/controls';
 import { percent } from '../../common/format';
 import { Icon } from '../../common/icons';
@@ -25,11 +27,12 @@ const COLOR_MODES: readonly (readonly [mode: ColorMode, words: string, field?: s
   ['label', 'Label'],
   ['confidence', 'Confidence'],
   ['provenance', 'Painted or tracked'],
+  ['sensor', 'Sensor', 'sensor'],
 ];
 
 export function ViewOptions() {
   const view = state.view.value;
-  const fields = state.sequence.value?.fields ?? [];
+  const fields = colourFields.value;
   return (
     <>
       <Choice
@@ -43,6 +46,7 @@ export function ViewOptions() {
       <ViewSliders class="of-view" />
       <CamerasButton />
       <ClipButton />
+      <SensorsButton />
       <AccumulateButton />
       <OverlayOptions />
     </>
@@ -89,7 +93,7 @@ const SURFACES: readonly RadioOption<SurfaceMode>[] = [
 
 /** Look of a depth camera's frames. */
 function SurfaceOptions() {
-  if (!state.sequence.value?.lattice) return null;
+  if (!hasDepth.value) return null;
   return (
     <RadioGroup
       label="Depth images"

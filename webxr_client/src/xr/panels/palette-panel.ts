@@ -13,11 +13,13 @@ import { BOXES, drawBoxes } from './pages/boxes';
 import { drawExample, EXAMPLE } from './pages/example';
 import { drawFloor } from './pages/floor';
 import { RecordingsPage } from './pages/recordings';
+import { SensorsPage } from './pages/sensors';
 import { drawTools, offered } from './pages/tools';
 import { drawWork, WORK } from './pages/work';
 import { drawView, type WorldControls } from './pages/view';
 import { Panel } from './panel';
 import { roomWay } from '../../tools/ways';
+import { hiddenSensors } from '../../store/sensors';
 import { xrSettings } from '../../store/xr-settings';
 import { SIZES } from '../drawing/sizes';
 import type { ButtonLook, Entry, Ui } from '../drawing/ui';
@@ -26,7 +28,7 @@ import { openWork } from '../../work/store';
 
 type Tab = 'labels' | 'tools' | 'boxes' | 'example' | 'work' | 'view' | 'comfort';
 /** Pages that a tab leads on to. */
-type Page = Tab | 'new' | 'edit' | 'letters' | 'note' | 'recordings';
+type Page = Tab | 'new' | 'edit' | 'letters' | 'note' | 'recordings' | 'sensors';
 
 /** In groups: labels and points, objects and tasks, the person. */
 const TABS: readonly (readonly (readonly [Tab, IconName, string])[])[] = [
@@ -47,7 +49,7 @@ const [RAIL, TAB, GAP] = [5.3, 2.9, 0.4];
 
 /** The tab that a page is reached from. */
 function tabOf(page: Page): Tab {
-  if (page === 'recordings') return 'view';
+  if (page === 'recordings' || page === 'sensors') return 'view';
   if (page === 'note') return 'work';
   return page === 'new' || page === 'edit' || page === 'letters' ? 'labels' : page;
 }
@@ -76,6 +78,7 @@ export class PalettePanel extends Panel {
   };
   private readonly edit = new EditPage(this.touch, this.ask, () => this.show('labels'));
   private readonly recordings = new RecordingsPage(this.touch, () => this.show('view'));
+  private readonly sensors = new SensorsPage(this.touch, () => this.show('view'));
   private readonly glow = new Glow(CHIPS);
   private readonly keyboard: SystemKeyboard;
   private readonly unsubscribe: () => void;
@@ -113,6 +116,7 @@ export class PalettePanel extends Panel {
         undo,
         redo,
         unsure,
+        hiddenSensors,
         floorPlaces,
         offered,
         xrSettings,
@@ -167,7 +171,7 @@ export class PalettePanel extends Panel {
     boxes: drawBoxes,
     example: drawExample,
     work: (...place) => drawWork(...place, this.ask),
-    view: (...place) => drawView(...place, this.controls, () => this.list()),
+    view: (...place) => drawView(...place, this.controls, (page) => this.show(page)),
     comfort: drawComfort,
     new: (...place) => drawNew(...place, this.ask, () => this.show('labels')),
     edit: (...place) => {
@@ -178,16 +182,12 @@ export class PalettePanel extends Panel {
     letters: (...place) => this.letters.draw(...place),
     note: (...place) => this.letters.draw(...place),
     recordings: (...place) => this.recordings.draw(...place),
+    sensors: (...place) => this.sensors.draw(...place),
   };
 
   private change(): void {
     this.edit.begin();
     this.show('edit');
-  }
-
-  private list(): void {
-    void actions.recordings.refreshSequences();
-    this.show('recordings');
   }
 
   private drawTabs(ui: Ui, x: number, top: number): void {
@@ -206,6 +206,7 @@ export class PalettePanel extends Panel {
     this.page = page;
     // The tasks are kept up to date while the desk's own list of them is open.
     if (page === 'work') openWork('tasks');
+    if (page === 'recordings') void actions.recordings.refreshSequences();
     if (state.tool.peek() === 'floor') actions.tools.setTool('paint');
     this.touch();
   }

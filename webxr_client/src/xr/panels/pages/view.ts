@@ -1,5 +1,6 @@
 /** Page of the palette for the view of the recording, and the standpoint in it. */
 import { actions } from '../../../store/actions';
+import { hasDepth, sensors } from '../../../store/sensors';
 import { state } from '../../../store/state';
 import type { Entry, Ui } from '../../drawing/ui';
 
@@ -32,7 +33,7 @@ export function drawView(
   top: number,
   inner: number,
   world: WorldControls,
-  list: () => void,
+  show: (page: 'recordings' | 'sensors') => void,
 ): void {
   const { em } = ui;
   drawSliders(ui, x + em * 0.4, top, inner - em * 0.8);
@@ -47,7 +48,10 @@ export function drawView(
     [{ icon: 'plane', text: 'Floor' }, () => actions.tools.setTool('floor')],
   ]);
   ui.strip(x, top + em * 18.2, inner, em * 3, [
-    [{ icon: 'folder', text: 'Recordings' }, list],
+    [{ icon: 'folder', text: 'Recordings' }, () => show('recordings')],
+    ...(sensors.peek().length > 0
+      ? [[{ icon: 'sensors', text: 'Sensors' }, () => show('sensors')] as Entry]
+      : []),
     [{ icon: 'exit', text: 'Leave' }, () => void actions.page.exitVR()],
   ]);
 }
@@ -75,7 +79,7 @@ function drawChecks(ui: Ui, x: number, top: number, half: number): void {
   check('Label boxes', boxes, (on) => actions.view.setView({ boxes: on }));
   check('Trails', trails, (on) => actions.view.setView({ trails: on }));
   check('Ghost', ghost, (on) => actions.view.setView({ ghost: on }));
-  if (!state.sequence.peek()?.lattice) return;
+  if (!hasDepth.peek()) return;
   const i = SURFACES.findIndex(([mode]) => mode === surface);
   const next = SURFACES[(i + 1) % SURFACES.length]![0];
   ui.button(x + half, top + em * 2.1, half, em * 1.9, { text: SURFACES[i]![1], strong: true },
