@@ -15,6 +15,7 @@ const TITLE = {
   export: 'Exporting',
   prediction: 'Predicting',
   fitting: 'Fitting boxes',
+  alignment: 'Aligning sensors',
 } as const;
 
 /** Cards of the user's own jobs; jobs of other people are shown beside the server's state. */

@@ -1,7 +1,8 @@
 /** Sensors of a recording of several, in the tool bar and over the picture: shown or hidden. */
 import { signal } from '@preact/signals';
+import { aligned, aligning, alignSensors } from '../../engine/align-sensors';
 import { colourBySensor, hiddenSensors, sensors, showSensor } from '../../store/sensors';
-import { canEdit, state } from '../../store/state';
+import { canEdit, canManage, state } from '../../store/state';
 import { Button, Check, Swatch } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
 
@@ -36,6 +37,26 @@ export function SensorsButton() {
         checked={state.view.value.color === 'sensor'}
         onChange={colourBySensor}
       />
+      {canManage.value && (
+        <div class="line">
+          <Button
+            kind="outlined"
+            label="Align sensors"
+            tip="Correct the mounts by surfaces that several sensors see"
+            disabled={aligning.value}
+            onClick={() => void alignSensors()}
+          />
+          {aligned.value && (
+            <Button
+              icon="undo"
+              label="Undo"
+              tip="Restore the mounts of before the last alignment"
+              disabled={aligning.value}
+              onClick={() => void alignSensors(true)}
+            />
+          )}
+        </div>
+      )}
     </PopoverButton>
   );
 }

@@ -1,6 +1,7 @@
 /** The panel on the other hand: labels, tools, view. */
 import type { IconName } from '../../common/icons';
 import { actions } from '../../store/actions';
+import { aligning } from '../../engine/align-sensors';
 import { unsure } from '../../engine/review';
 import { activeLabel, state } from '../../store/state';
 import { Glow } from '../drawing/glow';
@@ -117,6 +118,7 @@ export class PalettePanel extends Panel {
         redo,
         unsure,
         hiddenSensors,
+        aligning,
         floorPlaces,
         offered,
         xrSettings,

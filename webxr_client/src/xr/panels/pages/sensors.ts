@@ -1,7 +1,8 @@
 /** Sensors of a recording of several: shown or hidden, and their colours. */
+import { aligned, aligning, alignSensors } from '../../../engine/align-sensors';
 import { colourBySensor, hiddenSensors, sensors, showSensor } from '../../../store/sensors';
-import { state } from '../../../store/state';
-import type { Ui } from '../../drawing/ui';
+import { canManage, state } from '../../../store/state';
+import type { Entry, Ui } from '../../drawing/ui';
 import { Rows } from './rows';
 
 /** Rows in sight, and ems from one to the next. */
@@ -31,12 +32,24 @@ export class SensorsPage {
       const place = [x, top + em * PITCH * i, inner, em * 2.2] as const;
       ui.button(...place, { ...look, strong: !hidden, align: 'left' }, () => showSensor(number, hidden)); // prettier-ignore
     });
-    const below = top + em * (PITCH * ROWS + 0.2);
+    const below = top + em * (PITCH * Math.min(ROWS, all.length) + 0.2);
     const coloured = state.view.peek().color === 'sensor';
     ui.check(x, below, inner, em * 2.1, 'Colour by sensor', coloured, colourBySensor);
     ui.strip(x, below + em * 2.5, inner, em * 3, [
       [{ text: 'Back', icon: 'back' }, this.back],
-      ...this.rows.turning(all.length),
+      ...alignment(),
+      ...(all.length > ROWS ? this.rows.turning(all.length) : []),
     ]);
   }
+}
+
+function alignment(): Entry[] {
+  if (!canManage.peek()) return [];
+  const disabled = aligning.peek();
+  const align: Entry = [{ icon: 'target', text: 'Align', disabled }, () => void alignSensors()];
+  const undo: Entry = [
+    { icon: 'undo', text: 'Undo align', disabled },
+    () => void alignSensors(true),
+  ];
+  return aligned.peek() ? [align, undo] : [align];
 }
