@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
-from pointbrush.frame import MOST_SENSORS
 from pointbrush.selection import MAX_FRAMES, SHAPES, TOOLS
 from pointbrush.selection.box import BOX
 from pointbrush.selection.shape import Numbers, Parameter, Rays
 from pointbrush.values.boxes import Box as Box
 from pointbrush.values.boxes import BoxPose as BoxPose
+from pointbrush.values.kinds import MOST_SENSORS
 from pointbrush.values.kinds import Color as Color
 from pointbrush.values.kinds import Count as Count
 from pointbrush.values.kinds import Finite as Finite
