@@ -34,7 +34,7 @@ from pointbrush.workspace import Workspace
 from tests import forked
 from tests.depth_camera import grey_pictures
 from tests.formats.test_bags import rosbag1
-from tests.formats.test_several_sensors import MOUNTS, rig, two_lidars
+from tests.formats.test_joined_sensors import MOUNTS, rig, two_lidars
 from tests.serving import TOKEN, serving, settings_in, surface
 from tests.waiting import PATIENCE
 from tests.work.test_box_import import sustechpoints

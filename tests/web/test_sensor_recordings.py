@@ -24,7 +24,7 @@ from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import Label
 from pointbrush.workspace import Workspace
-from tests.formats.test_several_sensors import (
+from tests.formats.test_joined_sensors import (
     FRONT,
     MOUNTS,
     REAR,
