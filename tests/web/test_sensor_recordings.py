@@ -19,6 +19,7 @@ from pyarrow import feather
 from pointbrush.cli import main
 from pointbrush.client import Client
 from pointbrush.errors import BadInputError
+from pointbrush.formats import EXPORTS
 from pointbrush.formats.readers.nuscenes import tables_in, world_from_sensor
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
@@ -246,8 +247,16 @@ def test_argoverse_tables_have_the_mounts(drive: Workspace, tmp_path: Path) -> N
     assert np.linalg.norm(offset) == pytest.approx(np.hypot(6, 1.3))
 
 
+def test_every_format_of_points_or_boxes_takes_a_sensor(drive: Workspace, tmp_path: Path) -> None:
+    drive.annotations.put("drive", 0, np.ones(46, np.uint16), author="ann", layer="label")
+    for name in (each.name for each in EXPORTS.values() if not each.pictures):
+        for sensor in (None, "RADAR_FRONT"):
+            drive.export("drive", name, tmp_path / f"{name}-{sensor}", sensor=sensor)
+    manifest = json.loads((tmp_path / "labels-only-RADAR_FRONT" / "manifest.json").read_text())
+    assert [(frame["rows"], frame["labelled"]) for frame in manifest["frames"]] == [(6, 6), (6, 0)]
+
+
 def test_boxes_of_one_sensor_are_in_its_coordinates(drive: Workspace, tmp_path: Path) -> None:
-    drive.export("drive", "boxes", tmp_path / "none", sensor="RADAR_FRONT")
     drive.export("drive", "sustechpoints", tmp_path / "whole")
     drive.export("drive", "sustechpoints", tmp_path / "radar", sensor="RADAR_FRONT")
     (whole, radar) = (
