@@ -43,7 +43,7 @@ LATTICE = Lattice(
     pitch=(1 / KINECT.fx, 1 / KINECT.fy),
     eye=(0.0, 0.0, 0.0),
 )
-ALIGNED_FRAMES = 8
+ALIGNED_FRAMES = 12
 Found = Mapping[int, NDArray[np.int64]]
 
 

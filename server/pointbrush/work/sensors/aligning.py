@@ -25,7 +25,7 @@ from pointbrush.work.sensors import ALIGN
 if TYPE_CHECKING:
     from pointbrush.tracking.sensors.alignment import Correction, SensorPoints
 
-FRAMES = 8
+FRAMES = 12
 """Number of frames, spread over the recording, unless others are given."""
 READING = 0.4
 """Approximate share of a job's time for reading frames."""
