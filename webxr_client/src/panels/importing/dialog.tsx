@@ -294,15 +294,28 @@ function signed(axis: string): string {
 }
 
 function Topics({ found, options }: { found: ImportPreview; options: ImportOptions }) {
+  const clouds = found.topics.filter((topic) => topic.clouds);
   if (found.topics.length < 2) return null;
   return (
-    <ChoiceRow
-      label="Topic"
-      value={options.topic ?? found.topics.find((topic) => topic.read)?.name ?? ''}
-      choices={found.topics
-        .filter((topic) => topic.clouds)
-        .map((topic) => [topic.name, `${topic.name} · ${plural(topic.messages, 'message')}`])}
-      onChange={(value) => void correctImport({ topic: value })}
-    />
+    <>
+      {options.sensors !== 'all' && (
+        <ChoiceRow
+          label="Topic"
+          value={options.topic ?? found.topics.find((topic) => topic.read)?.name ?? ''}
+          choices={clouds.map(({ name, messages }) => [
+            name,
+            `${name} · ${plural(messages, 'message')}`,
+          ])}
+          onChange={(value) => void correctImport({ topic: value })}
+        />
+      )}
+      {clouds.length > 1 && (
+        <Check
+          label="All sensors in one recording"
+          checked={options.sensors === 'all'}
+          onChange={(all) => void correctImport({ sensors: all ? 'all' : null })}
+        />
+      )}
+    </>
   );
 }
