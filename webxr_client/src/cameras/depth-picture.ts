@@ -5,7 +5,7 @@ import type { DepthImage } from '../net/chunk/segment';
 import type { SequenceInfo } from '../protocol/messages';
 import type { Camera } from '../protocol/values';
 
-/** Name of the only depth camera: `LATTICE` of the server's `values/masks.py`. */
+/** Name of the only depth camera, and start of the names of several, as in the server's `masks/views.py`. */
 const NAME = 'depth';
 /** Grey, of 255, of the nearest and the farthest pixel of an image without colours. */
 const [NEAREST, FARTHEST] = [235, 60];
@@ -22,7 +22,7 @@ export function depthCamera(
   const row = (side: number, factor: number): number[] =>
     [0, 1, 2, 3].map((k) => factor * (T.elements[4 * k + side]! - (k === 3 ? eye[side]! : 0)));
   return {
-    name: sensors[sensor]?.name ?? NAME,
+    name: sensors[sensor] ? `${NAME}-${sensors[sensor].name}` : NAME,
     width,
     height,
     // Lines through the middles of pixels meet whole columns and rows of the lattice.
