@@ -27,7 +27,7 @@ from playwright.sync_api import Browser, sync_playwright
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from docs import box_pictures, headset_pictures, team_pictures  # noqa: E402
+from docs import box_pictures, headset_pictures, sensor_pictures, team_pictures  # noqa: E402
 from pointbrush.samples import Recording, generate  # noqa: E402
 from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 from tests.e2e.desk import Desk, launch  # noqa: E402
@@ -271,6 +271,7 @@ def main() -> None:
         nearest = floor[np.linalg.norm(floor - OPTIONS.floor, axis=1).argmin()]
         box_pictures.take(chromium, Path(folder), save)
         team_pictures.take(chromium, Path(folder), save)
+        sensor_pictures.take(chromium, Path(folder), save)
         headset_pictures.take(server, chromium, IMAGES, dust, nearest.tolist())
         chromium.close()
 
