@@ -48,7 +48,7 @@ export class Bench {
 
   constructor(...sources: TestSource[]) {
     this.inputs = new TestInputs(...sources);
-    state.sequence.value = { id: 'a', frames: 6, fps: 30, shift: [0, 0, 0] } as never;
+    state.sequence.value = { id: 'a', frames: 6, fps: 30, shift: [0, 0, 0], sensors: [] } as never;
     state.palette.value = [1, 2, 3].map(
       (id) => ({ id, color: '#5ea2ff', visible: true, locked: false }) as Label,
     );

@@ -73,7 +73,8 @@ beforeAll(async () => {
     frames: 6,
     damaged: i === 0 ? 'cut short' : null,
   })) as unknown as typeof state.sequences.value;
-  state.sequence.value = { id: 'a', frames: 6, fps: 30 } as typeof state.sequence.value;
+  const sensors = ['front', 'left'].map((name) => ({ name, type: 'depth', lattice: null, correction: [] })); // prettier-ignore
+  state.sequence.value = { id: 'a', frames: 6, fps: 30, sensors } as unknown as typeof state.sequence.value; // prettier-ignore
   state.copies.value = [
     { id: 'a', name: 'A', project: 'p' },
   ] as unknown as typeof state.copies.value;
@@ -124,6 +125,7 @@ describe('what answers on a panel', () => {
     [['Labels', 'Edit']],
     [['Labels', 'Edit', 'Delete']],
     [['View', 'Recordings']],
+    [['View', 'Sensors']],
   ])('is as large as a finger needs on the palette: %j', (pages) => {
     for (const page of pages) press(palette, page);
     const found = sides(palette);
