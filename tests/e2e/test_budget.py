@@ -18,7 +18,7 @@ ALL = "pb.shown().drawn === pb.shown().total"
 @pytest.fixture
 def headset(browser: Browser, server: LiveServer) -> Iterator[Headset]:
     """Inside the recording, drawn by a program that is far too slow for a headset."""
-    worn = wear(browser, server.page_url, size=(960, 540), drawn=True)
+    worn = wear(browser, server.page_url, size=(480, 270), drawn=True)
     worn.ready()
     worn.enter()
     worn.ask("pb.setDrawing(true)")
@@ -45,7 +45,7 @@ def test_a_headset_that_falls_behind_gets_fewer_points_and_recovers(headset: Hea
 def test_at_the_desk_a_moving_picture_is_coarser_and_one_at_rest_whole(
     open_desk: Callable[..., Desk],
 ) -> None:
-    desk = open_desk(width=960, height=540, drawn=True)
+    desk = open_desk(width=480, height=270, drawn=True)
     desk.ask("(pb.engine.pacing.headsetMs[0] = 1)")
     spin = "pb.engine.camera.turn(3, 0), pb.engine.viewer.invalidate()"
     desk.ask(f"(window.spin = setInterval(() => {{ {spin} }}, 20), 0)")

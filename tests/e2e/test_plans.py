@@ -72,7 +72,9 @@ def test_a_plan_hides_a_ceiling_and_no_roof(browser: Browser, server: LiveServer
     server.create_label("aerial", "roof", "#d0503c")
     desk = launch(browser, f"{server.page_url}&sequence=aerial")
     desk.ready()
-    for name, _ in recordings():
+    names = [each["id"] for each in server.request("GET", "sequences").json()]
+    assert {"aerial", "street", *ROOMS} <= set(names)
+    for name in names:
         show(desk, name)
         assert desk.ask("pb.engine.cut !== null") == (name in ROOMS), name
         assert desk.page.get_by_text("Slab active").count() == int(name in ROOMS)
