@@ -149,6 +149,12 @@ def postgres_url(postgres_server: PostgresServer) -> str:
     return postgres_server.new_database()
 
 
+@pytest.fixture
+def labels_url(postgres_server: PostgresServer) -> str:
+    """The URL of a label database of this test's own, without recordings."""
+    return postgres_server.new_labels()
+
+
 def _server_user() -> str | None:
     """PostgreSQL refuses to run as root; its package comes with a user."""
     if os.geteuid() != 0:

@@ -24,7 +24,7 @@ def servers(
     tmp_path: Path,
     postgres_server: PostgresServer,  # noqa: F811
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
-    url = postgres_server.new_database()
+    url = postgres_server.new_labels()
     with two_servers(tmp_path, url, frames=LONG, points=4_000) as (here, there):
         with here.api() as api:
             api.post(f"{ROOT}/labels", json={"name": "pin"}).raise_for_status()

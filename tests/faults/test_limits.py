@@ -12,7 +12,7 @@ from pathlib import Path
 import httpx
 import psycopg
 import pytest
-from postgres import PostgresServer, postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import PostgresServer, labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import PATIENCE, eventually
 
 from pointbrush.teamwork.store import WorkspaceStore
@@ -128,16 +128,16 @@ def test_a_body_that_trickles_is_given_up(server: ServerProcess) -> None:
 
 def test_health_needs_no_database_and_readiness_tells_of_it(
     tmp_path: Path,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> None:
     settings = settings_in(tmp_path)
     add_sequence(settings, "wall", frames=1, points=2_000)
-    limits = {"POINTBRUSH_DATABASE": postgres_url, "POINTBRUSH_STATEMENT_SECONDS": "8"}
+    limits = {"POINTBRUSH_DATABASE": labels_url, "POINTBRUSH_STATEMENT_SECONDS": "8"}
     with running(settings.workspace, **limits) as server, httpx.Client(timeout=PATIENCE) as client:
         ready = client.get(f"{server.url}/readyz")
         assert (ready.status_code, ready.json()["status"]) == (200, "ready"), ready.text
         path = "/api/v1/sequences"
-        with psycopg.connect(postgres_url) as holder, ExitStack() as open_links:
+        with psycopg.connect(labels_url) as holder, ExitStack() as open_links:
             holder.execute("LOCK TABLE tokens, sequences IN ACCESS EXCLUSIVE MODE")
             # More than there are worker threads; each waits for the table.
             links = [open_links.enter_context(ask(server, "wrong", path)) for _ in range(60)]
@@ -152,9 +152,9 @@ def test_health_needs_no_database_and_readiness_tells_of_it(
 def test_readiness_tells_that_the_database_is_away(
     tmp_path: Path,
     postgres_server: PostgresServer,  # noqa: F811
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> None:
-    limits = {"POINTBRUSH_DATABASE": postgres_url}
+    limits = {"POINTBRUSH_DATABASE": labels_url}
     with (
         running(tmp_path / "workspace", **limits) as server,
         httpx.Client(timeout=PATIENCE) as client,

@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import eventually
 
 from tests.faults.clients import ENDED
@@ -81,9 +81,9 @@ def command_line(pid: int) -> str:
 
 def test_a_database_password_is_in_no_process_list_and_no_text(
     tmp_path: Path,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> None:
-    secret_url = postgres_url.replace("postgres@", f"postgres:{SECRET}@")
+    secret_url = labels_url.replace("postgres@", f"postgres:{SECRET}@")
     arguments = ["serve", "--port", "0", "--database", secret_url, "--workers", "1"]
     command = [sys.executable, "-m", "pointbrush.cli", *arguments]
     environment = os.environ | {
@@ -110,10 +110,10 @@ def test_a_database_password_is_in_no_process_list_and_no_text(
     assert SECRET not in said
 
 
-def test_a_password_comes_from_a_file(tmp_path: Path, postgres_url: str) -> None:  # noqa: F811
+def test_a_password_comes_from_a_file(tmp_path: Path, labels_url: str) -> None:  # noqa: F811
     (tmp_path / "password").write_text(f"{SECRET}/@\n")
     options = {
-        "POINTBRUSH_DATABASE": postgres_url,
+        "POINTBRUSH_DATABASE": labels_url,
         "POINTBRUSH_DATABASE_PASSWORD_FILE": str(tmp_path / "password"),
     }
     with running(tmp_path / "workspace", **options) as server, server.api() as api:

@@ -34,7 +34,7 @@ def test_people_work_through_a_proxy_on_two_servers_with_one_database_and_dask(
     postgres_server: PostgresServer,  # noqa: F811
 ) -> None:
     with ExitStack() as stack:
-        lab = Lab(tmp_path, postgres_server.new_database(), stack)
+        lab = Lab(tmp_path, postgres_server.new_labels(), stack)
         lab.options |= {"POINTBRUSH_TRUSTED_PROXIES": "127.0.0.1"}
         lab.worker()
         url = stack.enter_context(proxy([lab.server().port, lab.server().port]))

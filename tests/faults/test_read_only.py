@@ -19,7 +19,7 @@ import msgpack
 import numpy as np
 import psycopg
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import ReadOnlyError
 from pointbrush.values.runs import TrackingRequest
@@ -180,15 +180,15 @@ def test_the_commands_look_at_it_and_change_nothing(read_only: ReadOnly) -> None
     assert everything_in(read_only.workspace) == before
 
 
-def test_a_database_that_may_only_be_read(tmp_path: Path, postgres_url: str) -> None:  # noqa: F811
-    settings = settings_in(tmp_path, database=postgres_url)
+def test_a_database_that_may_only_be_read(tmp_path: Path, labels_url: str) -> None:  # noqa: F811
+    settings = settings_in(tmp_path, database=labels_url)
     add_sequence(settings, SEQUENCE, frames=2, points=20_000)
     workspace = Workspace(settings)
     workspace.labels.create_label(SEQUENCE, "ann", name="pin")
     workspace.close()
     add_sequence(settings, "late", frames=1, points=1_000)  # which the database does not know
-    name = postgres_url.rpartition("/")[2]
-    with psycopg.connect(postgres_url, autocommit=True) as connection:
+    name = labels_url.rpartition("/")[2]
+    with psycopg.connect(labels_url, autocommit=True) as connection:
         connection.execute(f"ALTER DATABASE {name} SET default_transaction_read_only = on")
     workspace = Workspace(settings)
     try:

@@ -98,7 +98,7 @@ def test_a_lab_loses_its_parts_one_by_one_and_no_edit(
 ) -> None:
     ann, ben = Person(), Person()
     with ExitStack() as stack:
-        lab = Lab(tmp_path, postgres_server.new_database(), stack)
+        lab = Lab(tmp_path, postgres_server.new_labels(), stack)
         worker = lab.worker()
         here, there = lab.server(), lab.server()
         with here.api() as api:

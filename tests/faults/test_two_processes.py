@@ -24,7 +24,7 @@ def servers(
     tmp_path: Path,
     postgres_server: PostgresServer,  # noqa: F811
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
-    with two_servers(tmp_path, postgres_server.new_database(), frames=2, points=5_000) as both:
+    with two_servers(tmp_path, postgres_server.new_labels(), frames=2, points=5_000) as both:
         yield both
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.labels import Write, writer
 from pointbrush.teamwork.store import WorkspaceStore

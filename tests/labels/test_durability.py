@@ -165,7 +165,7 @@ def test_a_log_that_cannot_grow_refuses_the_edit(tmp_path: Path) -> None:
 
 
 def test_a_database_that_goes_away_and_comes_back(postgres_server: PostgresServer) -> None:
-    store = WorkspaceStore(postgres_server.new_database())
+    store = WorkspaceStore(postgres_server.new_labels())
     store.recordings.register("s", [100])
     store.create_label("s", "ann", name="pin")
     heard: list[int] = []

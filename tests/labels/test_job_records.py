@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import psycopg
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import eventually
 
 from pointbrush.database.database import Limits
@@ -26,19 +26,19 @@ def record(job_id: str, created: float) -> Job:
 
 
 @pytest.fixture
-def stores(postgres_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]:  # noqa: F811
+def stores(labels_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]:  # noqa: F811
     limits = Limits(statement_seconds=20)
     with (
-        closing(WorkspaceStore(postgres_url, limits=limits)) as here,
-        closing(WorkspaceStore(postgres_url, limits=limits)) as there,
+        closing(WorkspaceStore(labels_url, limits=limits)) as here,
+        closing(WorkspaceStore(labels_url, limits=limits)) as there,
     ):
         yield here, there
 
 
 @pytest.fixture
-def other(postgres_url: str) -> Iterator[psycopg.Connection]:  # noqa: F811
+def other(labels_url: str) -> Iterator[psycopg.Connection]:  # noqa: F811
     """A transaction of somebody else."""
-    with closing(psycopg.connect(postgres_url)) as connection:
+    with closing(psycopg.connect(labels_url)) as connection:
         yield connection
 
 
@@ -72,7 +72,7 @@ def test_jobs_are_claimed_oldest_first_and_each_once(
 def test_jobs_are_written_in_the_order_of_their_ids(
     stores: tuple[WorkspaceStore, WorkspaceStore],
     other: psycopg.Connection,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> None:
     here, _ = stores
     records = [record("b", 0.0), record("a", 1.0)]
@@ -80,7 +80,7 @@ def test_jobs_are_written_in_the_order_of_their_ids(
         here.jobs.add(each)
     other.execute(LOCKED, ["a"])
     with (
-        closing(psycopg.connect(postgres_url, autocommit=True)) as looking,
+        closing(psycopg.connect(labels_url, autocommit=True)) as looking,
         ThreadPoolExecutor(1) as pool,
     ):
         lost = pool.submit(here.jobs.update, [replace(each, progress=0.7) for each in records])

@@ -29,7 +29,7 @@ def proxy(postgres_server: PostgresServer) -> Iterator[SlowProxy]:  # noqa: F811
 
 @pytest.fixture
 def url(postgres_server: PostgresServer, proxy: SlowProxy) -> str:  # noqa: F811
-    place = urlsplit(postgres_server.new_database())
+    place = urlsplit(postgres_server.new_labels())
     return place._replace(netloc=f"postgres@127.0.0.1:{proxy.port}").geturl()
 
 

@@ -153,9 +153,9 @@ def test_a_spoilt_index_is_found_and_made_anew(sqlite_file: Path) -> None:
 
 
 def test_pages_of_postgresql_that_cannot_be_read_are_found(
-    postgres_server: PostgresServer, postgres_url: str
+    postgres_server: PostgresServer, labels_url: str
 ) -> None:
-    store = WorkspaceStore(postgres_url)
+    store = WorkspaceStore(labels_url)
     store.recordings.register(SEQ, [100])
     store.create_label(SEQ, "ann", name="one")
     with store.database.write() as connection:
@@ -171,5 +171,5 @@ def test_pages_of_postgresql_that_cannot_be_read_are_found(
             file.write(b"\xff" * PAGE)
     finally:
         postgres_server.start()
-    found = check_database(postgres_url)
+    found = check_database(labels_url)
     assert any("edit_labels" in line for line in found), found

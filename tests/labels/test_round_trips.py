@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
@@ -78,8 +78,8 @@ class CountingProxy:
 
 
 @pytest.fixture
-def proxy(postgres_url: str) -> Iterator[CountingProxy]:  # noqa: F811
-    parts = urlsplit(postgres_url)
+def proxy(labels_url: str) -> Iterator[CountingProxy]:  # noqa: F811
+    parts = urlsplit(labels_url)
     made = CountingProxy(str(parts.hostname), int(parts.port or 5432))
     yield made
     made.close()
@@ -87,14 +87,14 @@ def proxy(postgres_url: str) -> Iterator[CountingProxy]:  # noqa: F811
 
 def test_a_stroke_and_a_read_wait_for_few_round_trips(
     tmp_path: Path,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
     proxy: CountingProxy,
 ) -> None:
     place = tmp_path / "ws"
     xyz = np.random.default_rng(0).uniform(-1, 1, (POINTS, 3)).astype(np.float32)
     import_frames([PointFrame(xyz)], place / "sequences" / "s", RecordingInfo("s", "s", 1.0))
-    parts = urlsplit(postgres_url)
-    url = postgres_url.replace(f":{parts.port}/", f":{proxy.port}/")
+    parts = urlsplit(labels_url)
+    url = labels_url.replace(f":{parts.port}/", f":{proxy.port}/")
     with closing(Workspace(Settings(workspace=place, database=url))) as workspace:
         store = workspace.labels
         store.create_label("s", "ann", name="one")

@@ -34,13 +34,13 @@ def test_a_restored_database_has_the_key_of_the_backup(url: str, tmp_path: Path)
         assert restored.signing_keys.get("test") == key
 
 
-def test_a_database_that_may_not_be_written_still_signs(postgres_url: str) -> None:
-    with closing(WorkspaceStore(postgres_url)), closing(Database(postgres_url)) as database:
+def test_a_database_that_may_not_be_written_still_signs(labels_url: str) -> None:
+    with closing(WorkspaceStore(labels_url)), closing(Database(labels_url)) as database:
         name = database.url.database
         with database.write() as connection:
             change = f'ALTER DATABASE "{name}" SET default_transaction_read_only = on'
             connection.execute(text(change))
-    with closing(WorkspaceStore(postgres_url)) as reader:
+    with closing(WorkspaceStore(labels_url)) as reader:
         key = reader.signing_keys.get("test")
         assert len(key) == 32
         assert reader.signing_keys.get("test") == key

@@ -196,17 +196,17 @@ def test_a_sequence_made_anew_elsewhere(url: str, here: WorkspaceStore, tmp_path
     there.close()
 
 
-def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url: str) -> None:
+def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(labels_url: str) -> None:
     with (
-        closing(WorkspaceStore(postgres_url)) as here,
-        closing(WorkspaceStore(postgres_url, limits=Limits(statement_seconds=1))) as there,
+        closing(WorkspaceStore(labels_url)) as here,
+        closing(WorkspaceStore(labels_url, limits=Limits(statement_seconds=1))) as there,
     ):
         here.recordings.register(SEQ, POINTS)
         here.create_label(SEQ, "ann", name="one")
         heard: list[int] = []
         there.subscribe(lambda commit: heard.append(commit.revision))
         eventually(lambda: there.revision(SEQ) == 1 and heard == [1])
-        with psycopg.connect(postgres_url) as other:
+        with psycopg.connect(labels_url) as other:
             # Read by who catches up with a stroke, and not by who paints it.
             other.execute("LOCK TABLE labels IN ACCESS EXCLUSIVE MODE")
             write = Write(np.arange(5), label=1, provenance=1)
@@ -215,7 +215,7 @@ def test_a_commit_is_heard_of_though_it_could_not_be_read_at_first(postgres_url:
                 "SELECT 1 FROM pg_stat_activity "
                 "WHERE query LIKE '%labels%' AND wait_event_type = 'Lock'"
             )
-            with psycopg.connect(postgres_url, autocommit=True) as watching:
+            with psycopg.connect(labels_url, autocommit=True) as watching:
                 eventually(lambda: watching.execute(waits).fetchone() is not None)
                 eventually(lambda: watching.execute(waits).fetchone() is None)
             assert heard == [1]

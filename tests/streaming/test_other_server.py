@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import psycopg
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.labels import Write
 from pointbrush.workspace import Workspace
@@ -23,9 +23,9 @@ POINTS = 2_000
 
 
 @pytest.fixture
-def there(tmp_path: Path, postgres_url: str) -> Iterator[Served]:  # noqa: F811
+def there(tmp_path: Path, labels_url: str) -> Iterator[Served]:  # noqa: F811
     """A server whose statements end after a second."""
-    settings = settings_in(tmp_path, database=postgres_url, statement_seconds=1)
+    settings = settings_in(tmp_path, database=labels_url, statement_seconds=1)
     add_sequence(settings, "wall", frames=2, points=POINTS)
     with serving(settings) as running:
         running.workspace.labels.create_label("wall", "somebody", name="pin")
@@ -56,14 +56,14 @@ async def told(client: Viewer, revision: int, points: int) -> None:
 
 def test_a_viewer_is_told_though_the_authors_name_could_not_be_read(
     there: Served,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> None:
     async def scenario(here: Workspace) -> None:
         async with viewer(there.url, there.token) as client:
             await client.open("wall")
             await client.until("frame", frame=0, final=True)
             await told(client, await asyncio.to_thread(paint, here, "ann", 10), 10)
-            with psycopg.connect(postgres_url) as other:
+            with psycopg.connect(labels_url) as other:
                 other.execute("LOCK TABLE accounts IN ACCESS EXCLUSIVE MODE")
                 # By somebody whose name the other server has to look up.
                 revision = await asyncio.to_thread(paint, here, "session:1", 20)

@@ -33,7 +33,7 @@ def running(
 ) -> Iterator[tuple[Served, Provider]]:
     folder = tmp_path_factory.mktemp("oidc")
     postgres = request.param == "postgresql"
-    database = request.getfixturevalue("postgres_server").new_database() if postgres else ""
+    database = request.getfixturevalue("postgres_server").new_labels() if postgres else ""
     (folder / "secret").write_text(f"{SECRET}\n")
     with providing() as provider:
         settings = settings_in(

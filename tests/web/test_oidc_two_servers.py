@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.waiting import eventually
@@ -50,13 +50,13 @@ class Browser:
 @pytest.fixture
 def servers(
     tmp_path: Path,
-    postgres_url: str,  # noqa: F811
+    labels_url: str,  # noqa: F811
 ) -> Iterator[tuple[Served, Served, Provider]]:
     (tmp_path / "secret").write_text(f"{SECRET}\n")
     with ExitStack() as stack:
         provider = stack.enter_context(providing())
         settings = settings_in(
-            tmp_path, database=postgres_url, allowed_hosts=BALANCER, oidc_issuer=provider.url,
+            tmp_path, database=labels_url, allowed_hosts=BALANCER, oidc_issuer=provider.url,
             oidc_client_id=CLIENT, oidc_client_secret_file=str(tmp_path / "secret"),
             oidc_roles_claim="lab.roles",
         )  # fmt: skip

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
 from pointbrush.database.job import Job
@@ -149,7 +149,7 @@ def test_an_event_is_one_servers_and_comes_again_when_that_has_died(
 ) -> None:
     postgres = kind == "postgresql"
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
-    url = str(request.getfixturevalue("postgres_url")) if postgres else url
+    url = str(request.getfixturevalue("labels_url")) if postgres else url
     with closing(WorkspaceStore(url)) as here, closing(WorkspaceStore(url)) as there:
         here.recordings.register("wall", [10])
         here.team.webhooks.add("default", "https://example.org", ["task", "labels", "job"])
@@ -194,7 +194,7 @@ def test_a_receiver_that_is_away_is_paused_and_told_everything_later(
     kind: str, tmp_path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     url = f"sqlite:///{tmp_path / 'labels.sqlite'}"
-    url = str(request.getfixturevalue("postgres_url")) if kind == "postgresql" else url
+    url = str(request.getfixturevalue("labels_url")) if kind == "postgresql" else url
     monkeypatch.setattr(webhooks, "FIRST_WAIT", 60.0)
     with closing(WorkspaceStore(url)) as store:
         store.recordings.register("wall", [10] * 5)

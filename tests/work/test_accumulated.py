@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.frame import PointFrame
@@ -62,7 +62,7 @@ def workspace(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Worksp
     """A street, seen from a car that drives; and a recording without poses."""
     options = settings_in(tmp_path)
     if request.param == "postgresql":
-        options = settings_in(tmp_path, database=request.getfixturevalue("postgres_url"))
+        options = settings_in(tmp_path, database=request.getfixturevalue("labels_url"))
     for name, poses in (("street", True), ("room", False)):
         import_frames(
             (

@@ -10,7 +10,7 @@ from uuid import uuid4
 
 import numpy as np
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
+from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.formats import EXPORTS
@@ -34,6 +34,11 @@ LABELS = (
     Label(POST, "three", "post", "#0000ff"),
     Label(STONE, "stone", "", "#ffff00"),
 )
+EXPORTED = [
+    *(("sqlite", kind) for kind, made in sorted(EXPORTS.items()) if not made.pictures),
+    ("postgresql", "semantickitti"),
+]
+"""Databases and kinds of exports: the writers of files do not see the database."""
 WHICH = np.repeat([CAR, LORRY, POST, STONE, 0], COUNT // 5).astype(np.uint16)
 
 
@@ -41,7 +46,7 @@ WHICH = np.repeat([CAR, LORRY, POST, STONE, 0], COUNT // 5).astype(np.uint16)
 def settings(request: pytest.FixtureRequest, tmp_path: Path) -> Settings:
     url = ""
     if request.param == "postgresql":
-        url = str(request.getfixturevalue("postgres_url"))
+        url = str(request.getfixturevalue("labels_url"))
     made = settings_in(tmp_path, database=url)
     rng = np.random.default_rng(0)
     xyz = rng.uniform(-1, 1, (COUNT, 3)) + np.c_[4.0 * WHICH, np.zeros((COUNT, 2))]
@@ -110,7 +115,7 @@ def same(one: dict[str, bytes], other: dict[str, bytes], kind: str) -> None:
         assert one == other
 
 
-@pytest.mark.parametrize("kind", sorted(k for k, made in EXPORTS.items() if not made.pictures))
+@pytest.mark.parametrize(("settings", "kind"), EXPORTED, indirect=["settings"])
 def test_exports_follow_new_names_merges_and_deletions(
     workspace: Workspace, tmp_path: Path, kind: str
 ) -> None:

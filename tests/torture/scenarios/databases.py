@@ -24,7 +24,7 @@ def _serve(arena: Arena, url: str, count: int) -> list[ServerProcess]:
 
 def _killed(arena: Arena, servers: int) -> None:
     database = arena.postgres()
-    url = database.new_database()
+    url = database.new_labels()
     authors = Authors(arena.folder / "workspace", arena.seed, url)
     served = _serve(arena, url, servers)
     addresses = [server.url for server in served]
@@ -57,7 +57,7 @@ def postgres_killed_two_servers(arena: Arena) -> None:
 def postgres_slow(arena: Arena) -> None:
     """A proxy delays every block between server and database."""
     database = arena.postgres()
-    direct = database.new_database()
+    direct = database.new_labels()
     authors = Authors(arena.folder / "workspace", arena.seed, direct)
     proxy = arena.stack.enter_context(SlowProxy(database.port))
     place = urlsplit(direct)

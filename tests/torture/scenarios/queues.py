@@ -187,4 +187,4 @@ def queue(arena: Arena) -> None:
 @scenario("the same on PostgreSQL", 1)
 def queue_postgres(arena: Arena) -> None:
     """The same rows, locked there."""
-    _worked_off(arena, arena.postgres().new_database())
+    _worked_off(arena, arena.postgres().new_labels())

@@ -116,4 +116,4 @@ def reviews(arena: Arena) -> None:
 @scenario("the same with two servers on PostgreSQL", 1)
 def reviews_two_servers(arena: Arena) -> None:
     """Two people at each server."""
-    _judged(arena, arena.postgres().new_database(), 2)
+    _judged(arena, arena.postgres().new_labels(), 2)

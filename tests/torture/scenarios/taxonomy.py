@@ -106,4 +106,4 @@ def taxonomy(arena: Arena) -> None:
 @scenario("the same with two servers on PostgreSQL", 2)
 def taxonomy_two_servers(arena: Arena) -> None:
     """A recording at each server."""
-    _learned(arena, arena.postgres().new_database(), 2)
+    _learned(arena, arena.postgres().new_labels(), 2)

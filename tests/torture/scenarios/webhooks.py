@@ -69,7 +69,7 @@ def _events(api: httpx.Client, hook: str) -> list[dict[str, Any]]:
 @scenario("one of two servers that tell a webhook's events is killed", 1)
 def webhook_server_killed(arena: Arena) -> None:
     """Each event arrives, a second time only under the same id."""
-    url, receiver, tally = arena.postgres().new_database(), Receiver(), arena.tally
+    url, receiver, tally = arena.postgres().new_labels(), Receiver(), arena.tally
     settings = settings_in(arena.folder, database=url)
     add_sequence(settings, "wall", frames=FRAMES, points=50)
     address = arena.stack.enter_context(receiving(receiver))
