@@ -71,7 +71,11 @@ def new_labels() -> bytes:
 def settings_in(folder: Path, **options: object) -> Settings:
     """Settings of a test's own workspace, whose label database is up to date and empty."""
     base = Settings(workspace=folder / "workspace", port=0, token=TOKEN, workers=1)
-    settings = replace(base, **options)  # type: ignore[arg-type]
+    return with_labels(replace(base, **options))  # type: ignore[arg-type]
+
+
+def with_labels(settings: Settings) -> Settings:
+    """Put an up-to-date label database without recordings into a workspace that has none."""
     labels = settings.workspace / "labels.sqlite"
     if not settings.database and not labels.exists():
         labels.parent.mkdir(parents=True, exist_ok=True)

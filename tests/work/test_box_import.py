@@ -17,6 +17,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 CAR, TREE = np.array([5.0, 2.0, 1.0]), np.array([-4.0, 3.0, 2.0])
@@ -130,7 +131,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         tmp_path / "ws" / "sequences" / "drive",
         RecordingInfo("drive", "Drive", 10.0),
     )
-    opened = Workspace(Settings(workspace=tmp_path / "ws"))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path / "ws")))
     yield opened
     opened.close()
 
@@ -199,7 +200,7 @@ def test_boxes_of_points_in_millimetres_are_in_their_unit_or_in_metres(
         for part in ("centroid", "dimensions"):
             each[part] = {axis: value / unit for axis, value in each[part].items()}
     (boxes / "000000.json").write_text(json.dumps(content))
-    with closing(Workspace(Settings(workspace=tmp_path / "workspace"))) as workspace:
+    with closing(Workspace(with_labels(Settings(workspace=tmp_path / "workspace")))) as workspace:
         job = workspace.imports.begin([points], chosen=Corrections(scale=0.001))
         assert workspace.runner.wait(job.id, PATIENCE).state == "done"
         done = workspace.runner.wait(
@@ -216,7 +217,7 @@ def drive_of(folder: Path, first: int, count: int) -> Workspace:
     (folder / "drive").mkdir(parents=True)
     for k in range(first, first + count):
         np.save(folder / "drive" / f"{k:06d}.npy", scene(k))
-    workspace = Workspace(Settings(workspace=folder / "ws"))
+    workspace = Workspace(with_labels(Settings(workspace=folder / "ws")))
     job = workspace.imports.begin([folder / "drive"], name="drive")
     assert workspace.runner.wait(job.id, PATIENCE).state == "done"
     return workspace

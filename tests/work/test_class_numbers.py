@@ -17,6 +17,7 @@ from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 
 
 @pytest.fixture
@@ -27,7 +28,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
     for name in ("one", "two"):
         folder = place / "sequences" / name
         import_frames([PointFrame(xyz=xyz)], folder, RecordingInfo(name, name, 1.0))
-    with closing(Workspace(Settings(workspace=place))) as opened:
+    with closing(Workspace(with_labels(Settings(workspace=place)))) as opened:
         opened.labels.taxonomy.put([Category(10, "car")])
         for name, kinds in (("one", ("car", "pole")), ("two", ("pole", "person"))):
             label = np.zeros(40, np.uint16)

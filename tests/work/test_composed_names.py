@@ -18,6 +18,7 @@ from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.labels.classes.taxonomy import Category
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 SPELLINGS = [("NFD", "NFC"), ("NFC", "NFD")]
@@ -27,7 +28,7 @@ XYZ = np.random.default_rng(0).uniform(1, 9, (COUNT, 3)).astype(np.float32)
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    opened = Workspace(Settings(workspace=tmp_path / "workspace"))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path / "workspace")))
     yield opened
     opened.close()
 

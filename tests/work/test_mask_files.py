@@ -28,6 +28,7 @@ from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.values.masks import VOID
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 FRAMES = 2
@@ -142,7 +143,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def workspace(made: Path, tmp_path: Path) -> Iterator[Workspace]:
     shutil.copytree(made, tmp_path / "ws")
-    with closing(Workspace(Settings(workspace=tmp_path / "ws"))) as opened:
+    with closing(Workspace(with_labels(Settings(workspace=tmp_path / "ws")))) as opened:
         yield opened
 
 

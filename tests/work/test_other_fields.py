@@ -13,6 +13,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames, open_sequence, verify
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 
 
 def recording(folder: Path, count: int = 50) -> PointFrame:
@@ -37,7 +38,7 @@ def recording(folder: Path, count: int = 50) -> PointFrame:
 def test_other_fields_keep_order_type_and_points(tmp_path: Path, kind: str) -> None:
     frame = recording(tmp_path)
     assert verify(tmp_path / "sequences" / "scan") == []
-    workspace = Workspace(Settings(workspace=tmp_path))
+    workspace = Workspace(with_labels(Settings(workspace=tmp_path)))
     try:
         label = workspace.labels.create_label("scan", "me", name="car").id
         x, y, z = (float(v) for v in frame.xyz[7])
@@ -83,7 +84,7 @@ def test_damaged_fields_are_told_and_nothing_is_written(tmp_path: Path) -> None:
     data = bytearray(path.read_bytes())
     data[len(data) // 2] ^= 0xFF
     path.write_bytes(bytes(data))
-    workspace = Workspace(Settings(workspace=tmp_path))
+    workspace = Workspace(with_labels(Settings(workspace=tmp_path)))
     try:
         with pytest.raises(DamagedError, match="frame 0: expected its further fields"):
             workspace.export("scan", "ply", tmp_path / "out")

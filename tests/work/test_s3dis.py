@@ -12,6 +12,7 @@ from pointbrush.database.job import Job
 from pointbrush.formats.tables.corrections import Corrections
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 OBJECTS = ("ceiling_1", "chair_1", "chair_2", "bookcase_tall_12")
@@ -39,7 +40,7 @@ def room(folder: Path, seed: int = 0) -> list[str]:
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    opened = Workspace(Settings(workspace=tmp_path / "workspace"))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path / "workspace")))
     yield opened
     opened.close()
 

@@ -17,6 +17,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 POINTS = 12
@@ -34,7 +35,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
         tmp_path / "ws" / "sequences" / "drive",
         RecordingInfo("drive", "Drive", 10.0),
     )
-    opened = Workspace(Settings(workspace=tmp_path / "ws"))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path / "ws")))
     yield opened
     opened.close()
 

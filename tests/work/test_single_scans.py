@@ -18,6 +18,7 @@ from pointbrush.settings import Settings
 from pointbrush.work.imports.previewing import preview
 from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 RNG = np.random.default_rng(0)
@@ -43,7 +44,7 @@ def las(path: Path, xyz: np.ndarray = XYZ) -> Path:
 
 @pytest.fixture
 def workspace(tmp_path: Path) -> Iterator[Workspace]:
-    opened = Workspace(Settings(workspace=tmp_path / "workspace"))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path / "workspace")))
     yield opened
     opened.close()
 

@@ -13,6 +13,7 @@ from pointbrush.settings import Settings
 from pointbrush.work.imports.previewing import preview
 from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 from tests.waiting import PATIENCE
 
 ROWS, KEPT = 100, 60
@@ -37,7 +38,7 @@ def test_rows_of_absent_points_stay_in_the_labels(tmp_path: Path, ending: str) -
     labels = np.arange(ROWS, dtype=np.uint16) % 3
     (tmp_path / "labels").mkdir()
     np.save(tmp_path / "labels" / "scan.npy", labels)
-    with closing(Workspace(Settings(workspace=tmp_path / "workspace"))) as workspace:
+    with closing(Workspace(with_labels(Settings(workspace=tmp_path / "workspace")))) as workspace:
         done = workspace.runner.wait(workspace.imports.begin([path]).id, PATIENCE)
         assert done.result["dropped"] == ROWS - KEPT, done.error
         job = workspace.imports.begin_labels("scan", tmp_path / "labels", "ann")

@@ -13,6 +13,7 @@ from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.sequences import RecordingInfo, import_frames
 from pointbrush.settings import Settings
 from pointbrush.workspace import Workspace
+from tests.serving import with_labels
 
 LEVEL = np.array([0.0, 0.0, 0.0, 1.0])
 CAR = np.array([4.0, 2.0, 1.5])
@@ -26,7 +27,7 @@ def workspace(tmp_path: Path) -> Iterator[Workspace]:
             tmp_path / "sequences" / name,
             RecordingInfo(name, name, 10.0),
         )
-    opened = Workspace(Settings(workspace=tmp_path))
+    opened = Workspace(with_labels(Settings(workspace=tmp_path)))
     yield opened
     opened.close()
 
