@@ -16,6 +16,8 @@ from hypothesis import HealthCheck, settings
 from pointbrush.jobs import worker
 from tests import measured
 from tests.forked import FORKSERVER
+from tests.postgres import labels_url, postgres_server, postgres_url  # noqa: F401  # fixtures
+from tests.stores import empty_url, filled, store, url  # noqa: F401  # fixtures
 from tests.waiting import PATIENCE
 
 if TYPE_CHECKING:

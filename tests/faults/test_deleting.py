@@ -12,7 +12,7 @@ from waiting import eventually
 
 from tests.faults.clients import RefusedError, SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, two_servers
-from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
+from tests.postgres import PostgresServer
 
 ROOT = "/sequences/ball"
 LONG = 40
@@ -22,7 +22,7 @@ LONG = 40
 @pytest.fixture
 def servers(
     tmp_path: Path,
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
     url = postgres_server.new_labels()
     with two_servers(tmp_path, url, frames=LONG, points=4_000) as (here, there):
@@ -63,7 +63,7 @@ def test_deleted_on_one_server_while_another_tracks_and_shows_it(
 
 def test_without_the_database_nothing_is_deleted(
     servers: tuple[ServerProcess, ServerProcess],
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> None:
     here, _ = servers
     with here.api() as api:

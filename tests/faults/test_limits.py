@@ -12,11 +12,11 @@ from pathlib import Path
 import httpx
 import psycopg
 import pytest
-from postgres import PostgresServer, labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import PATIENCE, eventually
 
 from pointbrush.teamwork.store import WorkspaceStore
 from tests.faults.server import TOKEN, ServerProcess, running
+from tests.postgres import PostgresServer
 from tests.serving import add_sequence, settings_in
 
 UNREAD = 60
@@ -128,7 +128,7 @@ def test_a_body_that_trickles_is_given_up(server: ServerProcess) -> None:
 
 def test_health_needs_no_database_and_readiness_tells_of_it(
     tmp_path: Path,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
 ) -> None:
     settings = settings_in(tmp_path)
     add_sequence(settings, "wall", frames=1, points=2_000)
@@ -151,8 +151,8 @@ def test_health_needs_no_database_and_readiness_tells_of_it(
 
 def test_readiness_tells_that_the_database_is_away(
     tmp_path: Path,
-    postgres_server: PostgresServer,  # noqa: F811
-    labels_url: str,  # noqa: F811
+    postgres_server: PostgresServer,
+    labels_url: str,
 ) -> None:
     limits = {"POINTBRUSH_DATABASE": labels_url}
     with (

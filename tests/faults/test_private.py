@@ -11,7 +11,6 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import eventually
 
 from tests.faults.clients import ENDED
@@ -81,7 +80,7 @@ def command_line(pid: int) -> str:
 
 def test_a_database_password_is_in_no_process_list_and_no_text(
     tmp_path: Path,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
 ) -> None:
     secret_url = labels_url.replace("postgres@", f"postgres:{SECRET}@")
     arguments = ["serve", "--port", "0", "--database", secret_url, "--workers", "1"]
@@ -110,7 +109,7 @@ def test_a_database_password_is_in_no_process_list_and_no_text(
     assert SECRET not in said
 
 
-def test_a_password_comes_from_a_file(tmp_path: Path, labels_url: str) -> None:  # noqa: F811
+def test_a_password_comes_from_a_file(tmp_path: Path, labels_url: str) -> None:
     (tmp_path / "password").write_text(f"{SECRET}/@\n")
     options = {
         "POINTBRUSH_DATABASE": labels_url,

@@ -15,7 +15,7 @@ from pointbrush.client import Client
 from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN
 from tests.faults.test_topology import Lab
-from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
+from tests.postgres import PostgresServer
 from tests.proxy import proxy
 
 FOREIGN = "https://elsewhere.example"
@@ -31,7 +31,7 @@ def files(folder: Path) -> Path:
 @pytest.mark.timeout(300)
 def test_people_work_through_a_proxy_on_two_servers_with_one_database_and_dask(
     tmp_path: Path,
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> None:
     with ExitStack() as stack:
         lab = Lab(tmp_path, postgres_server.new_labels(), stack)

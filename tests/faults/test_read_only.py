@@ -19,7 +19,6 @@ import msgpack
 import numpy as np
 import psycopg
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import ReadOnlyError
 from pointbrush.values.runs import TrackingRequest
@@ -180,7 +179,7 @@ def test_the_commands_look_at_it_and_change_nothing(read_only: ReadOnly) -> None
     assert everything_in(read_only.workspace) == before
 
 
-def test_a_database_that_may_only_be_read(tmp_path: Path, labels_url: str) -> None:  # noqa: F811
+def test_a_database_that_may_only_be_read(tmp_path: Path, labels_url: str) -> None:
     settings = settings_in(tmp_path, database=labels_url)
     add_sequence(settings, SEQUENCE, frames=2, points=20_000)
     workspace = Workspace(settings)

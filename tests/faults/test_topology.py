@@ -16,7 +16,7 @@ from waiting import eventually
 
 from tests.faults.server import ServerProcess, running
 from tests.ports import free_port, listening
-from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
+from tests.postgres import PostgresServer
 from tests.serving import add_sequence, settings_in
 
 ROOT = "/sequences/ball"
@@ -94,7 +94,7 @@ def state_of(server: ServerProcess, job: str) -> str:
 @pytest.mark.timeout(900)
 def test_a_lab_loses_its_parts_one_by_one_and_no_edit(
     tmp_path: Path,
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> None:
     ann, ben = Person(), Person()
     with ExitStack() as stack:

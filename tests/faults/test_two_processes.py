@@ -14,7 +14,7 @@ from waiting import eventually
 
 from tests.faults.clients import SocketTalk
 from tests.faults.server import TOKEN, ServerProcess, two_servers
-from tests.postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
+from tests.postgres import PostgresServer
 
 ROOT = "/sequences/ball"
 
@@ -22,7 +22,7 @@ ROOT = "/sequences/ball"
 @pytest.fixture
 def servers(
     tmp_path: Path,
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> Iterator[tuple[ServerProcess, ServerProcess]]:
     with two_servers(tmp_path, postgres_server.new_labels(), frames=2, points=5_000) as both:
         yield both
@@ -51,7 +51,7 @@ def delta_of(talk: SocketTalk, edit: str) -> dict[str, Any]:
 
 def test_edits_cross_and_an_absent_database_is_no_end(
     servers: tuple[ServerProcess, ServerProcess],
-    postgres_server: PostgresServer,  # noqa: F811
+    postgres_server: PostgresServer,
 ) -> None:
     here, there = servers
     with (

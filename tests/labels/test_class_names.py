@@ -11,7 +11,7 @@ from pointbrush.errors import ConflictError
 from pointbrush.formats.tables.numbering import KITTI_NUMBERS, official_numbers, plain
 from pointbrush.labels import Category
 from pointbrush.teamwork.store import WorkspaceStore
-from tests.labels.conftest import SEQUENCE
+from tests.stores import SEQUENCE
 
 WORDS = ("car", "fence", "Traffic Sign", "post", "stone", "zebra")
 STEPS = 60

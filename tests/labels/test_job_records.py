@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import psycopg
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 from waiting import eventually
 
 from pointbrush.database.database import Limits
@@ -26,7 +25,7 @@ def record(job_id: str, created: float) -> Job:
 
 
 @pytest.fixture
-def stores(labels_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]:  # noqa: F811
+def stores(labels_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]:
     limits = Limits(statement_seconds=20)
     with (
         closing(WorkspaceStore(labels_url, limits=limits)) as here,
@@ -36,7 +35,7 @@ def stores(labels_url: str) -> Iterator[tuple[WorkspaceStore, WorkspaceStore]]: 
 
 
 @pytest.fixture
-def other(labels_url: str) -> Iterator[psycopg.Connection]:  # noqa: F811
+def other(labels_url: str) -> Iterator[psycopg.Connection]:
     """A transaction of somebody else."""
     with closing(psycopg.connect(labels_url)) as connection:
         yield connection
@@ -72,7 +71,7 @@ def test_jobs_are_claimed_oldest_first_and_each_once(
 def test_jobs_are_written_in_the_order_of_their_ids(
     stores: tuple[WorkspaceStore, WorkspaceStore],
     other: psycopg.Connection,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
 ) -> None:
     here, _ = stores
     records = [record("b", 0.0), record("a", 1.0)]

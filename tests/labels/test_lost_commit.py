@@ -8,13 +8,13 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from postgres import PostgresServer, postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.database.job import Job
 from pointbrush.errors import UnavailableError
 from pointbrush.labels import Write
 from pointbrush.teamwork.reviews import Review
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.postgres import PostgresServer
 from tests.torture.proxy import SlowProxy
 
 COMMITTED = (b"INSERT 0 1\0", b"COMMIT\0")
@@ -22,13 +22,13 @@ COMMITTED = (b"INSERT 0 1\0", b"COMMIT\0")
 
 
 @pytest.fixture
-def proxy(postgres_server: PostgresServer) -> Iterator[SlowProxy]:  # noqa: F811
+def proxy(postgres_server: PostgresServer) -> Iterator[SlowProxy]:
     with SlowProxy(postgres_server.port) as running:
         yield running
 
 
 @pytest.fixture
-def url(postgres_server: PostgresServer, proxy: SlowProxy) -> str:  # noqa: F811
+def url(postgres_server: PostgresServer, proxy: SlowProxy) -> str:
     place = urlsplit(postgres_server.new_labels())
     return place._replace(netloc=f"postgres@127.0.0.1:{proxy.port}").geturl()
 

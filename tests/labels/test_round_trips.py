@@ -15,7 +15,6 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences import RecordingInfo, import_frames
@@ -78,7 +77,7 @@ class CountingProxy:
 
 
 @pytest.fixture
-def proxy(labels_url: str) -> Iterator[CountingProxy]:  # noqa: F811
+def proxy(labels_url: str) -> Iterator[CountingProxy]:
     parts = urlsplit(labels_url)
     made = CountingProxy(str(parts.hostname), int(parts.port or 5432))
     yield made
@@ -87,7 +86,7 @@ def proxy(labels_url: str) -> Iterator[CountingProxy]:  # noqa: F811
 
 def test_a_stroke_and_a_read_wait_for_few_round_trips(
     tmp_path: Path,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
     proxy: CountingProxy,
 ) -> None:
     place = tmp_path / "ws"

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import psycopg
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.labels import Write
 from pointbrush.workspace import Workspace
@@ -23,7 +22,7 @@ POINTS = 2_000
 
 
 @pytest.fixture
-def there(tmp_path: Path, labels_url: str) -> Iterator[Served]:  # noqa: F811
+def there(tmp_path: Path, labels_url: str) -> Iterator[Served]:
     """A server whose statements end after a second."""
     settings = settings_in(tmp_path, database=labels_url, statement_seconds=1)
     add_sequence(settings, "wall", frames=2, points=POINTS)
@@ -56,7 +55,7 @@ async def told(client: Viewer, revision: int, points: int) -> None:
 
 def test_a_viewer_is_told_though_the_authors_name_could_not_be_read(
     there: Served,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
 ) -> None:
     async def scenario(here: Workspace) -> None:
         async with viewer(there.url, there.token) as client:

@@ -12,7 +12,6 @@ from typing import Any
 import httpx
 import pytest
 from cryptography.hazmat.primitives.asymmetric import rsa
-from postgres import postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.errors import BadInputError
 from pointbrush.web.app import create_app

@@ -10,7 +10,6 @@ from urllib.parse import urlsplit
 
 import httpx
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.waiting import eventually
@@ -50,7 +49,7 @@ class Browser:
 @pytest.fixture
 def servers(
     tmp_path: Path,
-    labels_url: str,  # noqa: F811
+    labels_url: str,
 ) -> Iterator[tuple[Served, Served, Provider]]:
     (tmp_path / "secret").write_text(f"{SECRET}\n")
     with ExitStack() as stack:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import httpx
 import pytest
-from postgres import postgres_server  # noqa: F401  # a fixture
 
 from tests.serving import Served, serving, settings_in
 

@@ -41,7 +41,7 @@ def test_every_call_keeps_to_its_description(description: Any, mode: GenerationM
     failures = []
     for result in description.get_all_operations():
         try:
-            exercise(result.ok(), mode, [(TOKEN, True)], require_no_fault, examples=2)
+            exercise(result.ok(), mode, [(TOKEN, True)], require_no_fault)
         except (AssertionError, FailureGroup) as error:
             failures.append(f"{result.ok().label}: {error}")
     assert not failures, "\n".join(failures)

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.client import Client
 from pointbrush.database.job import Job

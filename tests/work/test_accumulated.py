@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import ConflictError, NotFoundError
 from pointbrush.frame import PointFrame

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import httpx
 import pytest
-from postgres import postgres_server  # noqa: F401  # a fixture
 
 from pointbrush.cli import main
 from pointbrush.errors import BadInputError, ConflictError

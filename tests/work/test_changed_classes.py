@@ -10,7 +10,6 @@ from uuid import uuid4
 
 import numpy as np
 import pytest
-from postgres import labels_url, postgres_server  # noqa: F401  # fixtures
 
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.formats import EXPORTS

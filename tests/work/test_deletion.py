@@ -29,7 +29,6 @@ from pointbrush.work.tracking.job import PendingEdit
 from pointbrush.work.trash import Trash
 from pointbrush.workspace import Workspace
 from tests import forked
-from tests.labels.conftest import postgres_server, postgres_url, url  # noqa: F401  # fixtures
 from tests.serving import add_sequence, settings_in
 from tests.waiting import PATIENCE
 
@@ -37,7 +36,7 @@ POINTS = 500
 
 
 @pytest.fixture
-def settings(tmp_path: Path, url: str) -> Settings:  # noqa: F811
+def settings(tmp_path: Path, url: str) -> Settings:
     made = settings_in(tmp_path, database=url)
     add_sequence(made, "ball", frames=2, points=POINTS)
     add_sequence(made, "wall", frames=1, points=POINTS)

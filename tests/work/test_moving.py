@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from postgres import postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.cli import main
 from pointbrush.database.backup import restore_sequence
@@ -70,7 +69,7 @@ def run(*arguments: object) -> int:
 
 def test_labels_move_to_postgres_and_back(
     settings: Settings,
-    postgres_url: str,  # noqa: F811
+    postgres_url: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     paint(settings)
@@ -97,7 +96,7 @@ def test_labels_move_to_postgres_and_back(
 def test_a_backup_comes_back_into_another_database(
     painted: Settings,
     tmp_path: Path,
-    postgres_url: str,  # noqa: F811
+    postgres_url: str,
 ) -> None:
     before, copy, new = state(painted), tmp_path / "copy", tmp_path / "new"
     database = ("--database", painted.database) if painted.database else ()
@@ -133,7 +132,7 @@ def test_one_recording_comes_back_into_a_workspace_in_use(
 
 def test_nothing_moves_while_a_server_runs_or_halfway(
     settings: Settings,
-    postgres_url: str,  # noqa: F811
+    postgres_url: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -161,7 +160,7 @@ def keep_uploads(workspace: Path) -> None:
 
 def test_a_killed_server_keeps_nobody_waiting(
     settings: Settings,
-    postgres_url: str,  # noqa: F811
+    postgres_url: str,
 ) -> None:
     paint(settings)
     before, here = state(settings), ("--workspace", settings.workspace)

@@ -1,4 +1,4 @@
-"""Every test of the store runs on SQLite and on PostgreSQL."""
+"""Label databases for tests: on SQLite and on PostgreSQL."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from postgres import labels_url, postgres_server, postgres_url  # noqa: F401  # fixtures
 
 from pointbrush.labels import Write, writer
 from pointbrush.teamwork.store import WorkspaceStore
