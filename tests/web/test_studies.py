@@ -333,6 +333,33 @@ def test_replay_gives_the_labels_or_the_first_difference(
     assert "expected a file .csv or .parquet, got 'results.xlsx'" in capsys.readouterr().err
 
 
+def test_a_step_can_be_replayed_edit_by_edit(people: list[Person], server: Served) -> None:
+    def get(path: str, **query: Any) -> httpx.Response:
+        headers = {"Authorization": f"Bearer {server.token}"}
+        answer = httpx.get(f"{server.url}{API}{path}", params=query, headers=headers)
+        assert answer.status_code == 200, answer.text
+        return answer
+
+    steps = get("/studies/halves/participants/1/steps").json()
+    assert [(each["condition"], each["task"]) for each in steps] == [
+        ("desk", "try"), ("desk", "halves"), ("room", "try"), ("room", "halves"),
+    ]  # fmt: skip
+    log = get("/studies/halves/participants/1/log", format="json").json()
+    assert len(log) == people[0].logged
+    number, sequence = steps[1]["number"], steps[1]["sequence"]
+    revisions = {
+        each["id"]: each["revision"] for each in get(f"/sequences/{sequence}/edits").json()
+    }
+    mine = [each for each in log if each["step"] == number and each["kind"] == "stroke"]
+    after = [0, *(revisions[each["id"]] for each in mine if each["frame"] == 1)]
+    path = f"/sequences/{sequence}/frames/1/annotation"
+    labels = [np.load(io.BytesIO(get(path, revision=each).content)) for each in after]
+    assert not labels[0].any()
+    assert [np.unique(each[each > 0]).tolist() for each in labels[1:3]] == [[1], [1, 2]]
+    assert not np.array_equal(labels[2], labels[3])  # the wrong stroke, which was undone
+    assert np.array_equal(labels[2], np.load(io.BytesIO(get(path).content)))
+
+
 def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Served) -> None:
     own, other = (person.seen[3]["sequence"] for person in people)
     person = people[0]

@@ -112,6 +112,9 @@ def get_annotation(
         Query(description="order of points: `source` as in the file, `stored` as in the chunks"),
     ] = "source",
     snapshot: SnapshotQuery = None,
+    revision: Annotated[
+        int | None, Query(ge=0, lt=2**53, description="labels as they were after this edit")
+    ] = None,
     if_none_match: Annotated[
         str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
     ] = None,
@@ -120,13 +123,16 @@ def get_annotation(
 
     The layer confidence is uint8, and 0 for points that were not predicted.  ``order`` stored: in
     the order of the wire chunks, which the page uses.
-    The ``ETag`` is the revision of the frame's last change, in any layer, or of the snapshot.
+    The ``ETag`` is the revision of the frame's last change, in any layer, of the snapshot, or
+    the given ``revision``.
     """
     past = None if snapshot is None else workspace.versions.labels(seq, snapshot)
+    if revision is not None:
+        past = workspace.versions.labels_at(seq, revision)
     stored = order == "stored"
-    blocks, revision = workspace.annotations.blocks(seq, i, layer, past, stored=stored)
-    headers = {"ETag": etag(revision), "Cache-Control": REVALIDATED}
-    if if_none_match is not None and etag(revision) in if_none_match:
+    blocks, found = workspace.annotations.blocks(seq, i, layer, past, stored=stored)
+    headers = {"ETag": etag(found), "Cache-Control": REVALIDATED}
+    if if_none_match is not None and etag(found) in if_none_match:
         return Response(status_code=304, headers=headers)
     count = workspace.recording(seq)[i].count
     length, pieces = npy.stream_array(blocks, require_layer(layer), count)

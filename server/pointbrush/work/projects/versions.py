@@ -62,6 +62,10 @@ class Versions:
         """Return the labels of a recording in a version."""
         return self._store.at(self._store.versions.moment(version, sequence))
 
+    def labels_at(self, sequence: str, revision: int) -> PastLabels:
+        """Return the labels of a recording after the edit ``revision``, with today's palette."""
+        return self._store.at(replace(self._store.versions.now(sequence), revision=revision))
+
     def difference(
         self, project: str, version: str, other: str | None = None, sequence: str | None = None
     ) -> list[Difference]:
