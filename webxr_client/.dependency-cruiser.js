@@ -5,7 +5,7 @@
 
 /** Of `src`, from the lowest floor to the highest. */
 const FLOORS = {
-  src: 'common protocol net store cloud tools view engine overlays cameras panels work team example boxes desktop xr checking',
+  src: 'common protocol net store cloud tools view engine overlays cameras panels work team example boxes desktop xr checking study',
   'src/net': 'chunk depth',
   'src/cloud': 'points picture',
   'src/panels': 'parts timeline labels importing stage',

@@ -115,9 +115,12 @@ export default defineConfig({
         // What others wrote changes rarely: it stays in browsers' caches, and profiles tell it apart.
         codeSplitting: {
           groups: [
-            // The reader of models is apart: only some controllers need it.
-            { name: 'three', test: /node_modules[\\/]three(?!.*(GLTFLoader|SkeletonUtils))/ },
-            { name: 'libraries', test: /node_modules(?!.*(GLTFLoader|SkeletonUtils))/ },
+            // Apart: the reader of models, for some controllers, and the writer of zip files.
+            {
+              name: 'three',
+              test: /node_modules[\\/]three(?!.*(GLTFLoader|SkeletonUtils|fflate))/,
+            },
+            { name: 'libraries', test: /node_modules(?!.*(GLTFLoader|SkeletonUtils|fflate))/ },
           ],
         },
       },

@@ -1,7 +1,7 @@
 /** Wiring only. */
 import { ObjectBoxes } from './boxes/index';
 import { BoxesPanel } from './boxes/panel';
-import { isCheck } from './common/checking';
+import { isCheck, studyCode } from './common/checking';
 import { installCameras } from './cameras/strip';
 import { installDesk } from './desktop/desk';
 import { CommandPalette } from './desktop/command-palette';
@@ -64,13 +64,20 @@ export function startPage(early: Early): void {
     });
     followOwnKeys();
     followWork();
-    bindActions({ recordings: { nextTask: begin } });
+    const openStudies = async (): Promise<void> =>
+      (await import('./study/manage')).openStudies(engine);
+    bindActions({ recordings: { nextTask: begin }, page: { openStudies } });
     new Predicting(engine);
     new PeoplePreview(engine);
     new Compared(engine);
     new Flight(engine);
     const { installHeadset, leadFirstMinute } = await import('./xr/index');
     const headset = installHeadset(engine, overlays);
+    if (studyCode() !== null) {
+      const { installStudy } = await import('./study/index');
+      installStudy(engine, headset);
+      return;
+    }
     if (!isCheck()) {
       leadFirstMinute(engine, headset);
       return;

@@ -10,6 +10,7 @@ import { historyOpen } from '../panels/history-menu';
 import { commandsOpen, helpOpen, exportOpen } from '../panels/parts/popover';
 import { pickFiles } from '../panels/importing/files';
 import { frameRange } from '../store/range';
+import { limits } from '../store/limits';
 import { renaming } from '../store/palette-list';
 import { beginTour } from '../panels/tour-steps';
 import { OVERLAYS } from '../panels/stage/view-options';
@@ -196,7 +197,7 @@ const VIEW = [
 ];
 
 const EDIT = [
-  key('ctrl+k', 'All commands', () => (commandsOpen.value = true), UNLISTED),
+  key('ctrl+k', 'All commands', () => (commandsOpen.value = limits.peek() === null), UNLISTED),
   plain(
     'Track labels…',
     () => (trackOpen.value = true),
@@ -210,6 +211,11 @@ const EDIT = [
 const RECORDINGS = [
   plain('Export points and labels…', () => (exportOpen.value = true)),
   plain('All recordings', () => recordings.closeSequence()),
+  plain(
+    'Studies…',
+    () => actions.page.openStudies(),
+    () => canManage.peek(),
+  ),
   plain('Sign out', signOut, () => state.me.peek() !== null),
   plain(
     'Import files…',

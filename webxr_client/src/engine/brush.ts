@@ -1,5 +1,6 @@
 /** Actions of tools and of the brush. */
 import type { ActionParts } from '../store/actions';
+import { offers } from '../store/limits';
 import { isStroke, patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../store/state';
 
 const RADIUS_NOTCH = 1.15;
@@ -16,6 +17,7 @@ function toggleEraser(): void {
     state.tool.value = painter;
     return;
   }
+  if (!offers('erase')) return;
   painter = isStroke(tool) ? tool : 'paint';
   state.tool.value = 'erase';
 }
@@ -23,9 +25,10 @@ function toggleEraser(): void {
 export const brushActions = {
   tools: {
     setTool: (tool) => {
-      state.tool.value = tool;
+      if (offers(tool)) state.tool.value = tool;
     },
     setShape: (shape) => {
+      if (!offers(shape)) return;
       patch(state.brush, { shape });
       if (!isStroke(state.tool.peek())) state.tool.value = 'paint';
     },

@@ -1,6 +1,6 @@
 /** First messages, before the rest of the page has come: the socket, and the recording to open. */
 import type { Manifest } from '../protocol/values';
-import { isCheck } from '../common/checking';
+import { choosesRecording, isCheck, studyCode } from '../common/checking';
 import { forgetPlace, placeIn } from './address';
 import { Link } from './link';
 import { api } from './rest';
@@ -15,7 +15,8 @@ export class Early {
   readonly refused = new URLSearchParams(location.search).has('token');
 
   constructor() {
-    if (this.refused) {
+    // The code of a participant opens the server first.
+    if (this.refused || studyCode() !== null) {
       this.opening = Promise.resolve(null);
       return;
     }
@@ -49,7 +50,7 @@ export function listSequences(): Promise<Manifest[]> {
 export function firstOf(
   list: readonly { readonly id: string; readonly copy_of?: string | null }[],
 ): string | null {
-  if (isCheck()) return null;
+  if (choosesRecording()) return null;
   const wanted = new URLSearchParams(location.search).get('sequence');
   if (list.some(({ id }) => id === wanted)) return wanted;
   const whole = list.filter(({ copy_of: original }) => !original);

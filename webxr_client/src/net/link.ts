@@ -1,6 +1,7 @@
 /** The page's end of the workers: typed messages to the socket, and from it by way of the decoder. */
 import type { ClientMessage } from '../protocol/messages';
 import { begins } from './outbox';
+import { apiUrl } from './rest';
 import type { FromPage, FromWorker, ToWorker } from './wire';
 
 const MOST_FREE = 4;
@@ -24,6 +25,9 @@ export class Link {
   /** Last number of unanswered edits from the worker, minus the edits that it had received. */
   private unanswered = 0;
 
+  /** Called with every message that the page sends, if set. */
+  observer: ((message: ClientMessage) => void) | null = null;
+
   private listener: ((message: FromWorker) => void) | null = null;
   /** Messages received before there was a listener. */
   private readonly undelivered: FromWorker[] = [];
@@ -42,16 +46,16 @@ export class Link {
   }
 
   connect(): void {
-    const url = new URL('api/v1/stream', document.baseURI);
+    const url = new URL(apiUrl('stream'));
     url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-    const probe = new URL('api/v1/me', document.baseURI).href;
-    this.post({ t: 'connect', url: url.href, probe });
+    this.post({ t: 'connect', url: url.href, probe: apiUrl('me') });
   }
 
   send(message: ClientMessage): void {
     if (this.sent) this.sent.message = message;
     else this.sent = { t: 'send', message };
     this.post(this.sent);
+    this.observer?.(message);
     if (!begins(message)) return;
     this.begun += 1;
     this.reportPending();

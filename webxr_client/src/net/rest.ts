@@ -1,4 +1,5 @@
 /** REST requests, for calls without a socket message. */
+import { studyCode } from '../common/checking';
 
 export class ApiError extends Error {
   constructor(
@@ -13,7 +14,9 @@ export class ApiError extends Error {
 }
 
 export function apiUrl(path: string): string {
-  return new URL(`api/v1/${path}`, document.baseURI).href;
+  // The page of a participant lies one folder below that of the others.
+  const below = studyCode() === null ? '' : '../';
+  return new URL(`${below}api/v1/${path}`, document.baseURI).href;
 }
 
 /** Return the JSON answer to a JSON body or a file; throws ApiError with the server's problem (RFC 9457). */

@@ -13,6 +13,7 @@ import {
   sparesLabels,
   state,
 } from '../store/state';
+import { offers } from '../store/limits';
 import { boxDraft } from '../tools/volume';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
@@ -107,7 +108,7 @@ function BrushOptions() {
       <Action />
       <RadioGroup
         label="Shape"
-        options={SHAPES}
+        options={SHAPES.filter(({ value }) => offers(value))}
         value={brush.shape}
         onChoose={(shape) => actions.tools.setShape(shape)}
       />
@@ -142,7 +143,7 @@ function BrushOptions() {
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
         />
       )}
-      {way.name === 'object' && (
+      {way.name === 'object' && offers('people') && (
         <Button
           icon="people"
           label="Find people"
@@ -151,7 +152,9 @@ function BrushOptions() {
           onClick={() => void findPeople()}
         />
       )}
-      {state.tool.value === 'paint' && <AfterStroke path={way.samples === 'path'} />}
+      {state.tool.value === 'paint' && offers('track') && (
+        <AfterStroke path={way.samples === 'path'} />
+      )}
       {way.through && (
         <Check
           label="Points behind too"

@@ -2,7 +2,8 @@
 import { signal } from '@preact/signals';
 import type { ComponentChild } from 'preact';
 import { actions } from '../store/actions';
-import { canEdit, notify, state, trackingJob, type Tool } from '../store/state';
+import { limits, offers } from '../store/limits';
+import { canEdit, canManage, notify, state, trackingJob, type Tool } from '../store/state';
 import { chooseTheme, theme } from '../store/theme';
 import { Button } from './parts/controls';
 import { ExportButton } from './export-menu';
@@ -33,25 +34,24 @@ const roomy = signal(room.matches);
 room.addEventListener('change', () => (roomy.value = room.matches));
 
 export function Toolbar({ buttons }: { buttons: readonly (() => ComponentChild)[] }) {
+  const study = limits.value;
   if (!state.sequence.value) return <WelcomeBar />;
   return (
     <>
       <div class="toolbar-row line">
-        <SequenceMenu />
+        {study ? <study.Bar /> : <SequenceMenu />}
         <span class="divider" />
         <Tools />
         <span class="divider" />
         <History />
         <span class="spacer" />
-        <TrackButton />
-        {buttons.map((More) => (
-          <More />
-        ))}
-        <ExportButton />
+        {offers('track') && <TrackButton />}
+        {!study && buttons.map((More) => <More />)}
+        {!study && <ExportButton />}
         <People />
         <ConnectionStatus />
         <OthersJobs />
-        <VrButton />
+        {!study && <VrButton />}
         <ThemeButton />
         <HelpButton />
       </div>
@@ -65,6 +65,13 @@ function WelcomeBar() {
     <div class="toolbar-row line">
       <span class="title">pointbrush</span>
       <span class="spacer" />
+      {canManage.value && (
+        <Button
+          label="Studies"
+          tip="Compare ways of labelling with participants"
+          onClick={() => void actions.page.openStudies()}
+        />
+      )}
       <ConnectionStatus />
       <OthersJobs />
       <ThemeButton />
@@ -75,8 +82,10 @@ function WelcomeBar() {
 
 function Tools() {
   const tool = state.tool.value;
-  const rare = RARE_TOOLS.filter(({ value }) => roomy.value || value === tool);
-  const options = [...TOOLS, ...rare].map((entry) => ({
+  const shown = roomy.value || limits.value !== null;
+  const rare = RARE_TOOLS.filter(({ value }) => shown || value === tool);
+  const offered = [...TOOLS, ...rare].filter(({ value }) => offers(value));
+  const options = offered.map((entry) => ({
     ...entry,
     disabled: entry.value !== 'navigate' && entry.value !== 'boxes' && !canEdit.value,
   }));
@@ -89,7 +98,7 @@ function Tools() {
         value={tool}
         onChoose={(chosen) => actions.tools.setTool(chosen)}
       />
-      {!roomy.value && <MoreTools />}
+      {!roomy.value && !limits.value && <MoreTools />}
     </>
   );
 }

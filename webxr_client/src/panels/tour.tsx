@@ -3,7 +3,7 @@ import { computed } from '@preact/signals';
 import { createPortal } from 'preact/compat';
 import { useEffect, useLayoutEffect, useRef, useState } from 'preact/hooks';
 import { actions } from '../store/actions';
-import { isCheck } from '../common/checking';
+import { choosesRecording } from '../common/checking';
 import { canEdit, state } from '../store/state';
 import { follow, watch } from '../store/watch';
 import { Button } from './parts/controls';
@@ -24,7 +24,7 @@ export function Tour() {
   useEffect(
     () =>
       follow(() => {
-        const begins = hasPicture.value && tourStep.peek() === null && !isCheck();
+        const begins = hasPicture.value && tourStep.peek() === null && !choosesRecording();
         if (begins && tourIsNew()) beginTour();
       }),
     [],

@@ -264,6 +264,22 @@ export interface Classifier {
   readonly start_from: readonly string[];
 }
 
+/** One way of labelling that the study compares. */
+export interface Condition {
+  /** Name in results. */
+  readonly name: string;
+  /** Device of the participant: a window at the `desk`, or a `headset`. */
+  readonly device: 'desk' | 'headset';
+  /** Input: `mouse` and keyboard, `controller` of a headset, `hands`, or `look-and-pinch`. */
+  readonly input: 'mouse' | 'controller' | 'hands' | 'look-and-pinch';
+  /** Names of the page's tools that are shown; empty: all. */
+  readonly tools: readonly string[];
+  /** The page shows hints. */
+  readonly hints: boolean;
+  /** Text before the first task of the condition. */
+  readonly instructions: string;
+}
+
 /** Agreement of two copies of a recording. */
 export interface CopyAgreement {
   /** Id of the first copy. */
@@ -787,6 +803,60 @@ export interface LabelledFrame {
   readonly points: number;
 }
 
+/** End of a log. */
+export interface LogPosition {
+  /** Number of the next record. */
+  readonly next: number;
+}
+
+/** One record of a session's log; fields that its ``kind`` does not name are left out. */
+export interface LogRecord {
+  /** `stroke`: an edit (``id``, ``tool``, ``shape``, ``label``, ``frame``); `click` of the object tool (``shape`` positive or negative); `undo`, `redo` of the last edit; another `level` of its candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second; `device` (``profile``), once a session; `phase` that begins. */
+  readonly kind: 'stroke' | 'click' | 'undo' | 'redo' | 'level' | 'label' | 'playback' | 'pose' | 'frame_time' | 'device' | 'phase';
+  /** Number of the step in which it was made. */
+  readonly step: number;
+  /** Milliseconds since the step began, by the page's monotonic clock. */
+  readonly t: number;
+  /** UUID of a stroke, which is that of its edit. */
+  readonly id?: string;
+  /** Tool of a stroke: paint, erase, delete or restore. */
+  readonly tool?: string;
+  /** Shape of a stroke, or ``positive`` and ``negative`` of a click. */
+  readonly shape?: string;
+  /** Id of the label. */
+  readonly label?: number | null;
+  /** Level of the object tool. */
+  readonly level?: number | null;
+  /** Frame of the recording. */
+  readonly frame?: number | null;
+  /** Action of playback. */
+  readonly action?: string;
+  /** Phase that begins: `navigation` (the view moves), `painting` (a trigger or button is held to label) or `waiting` (neither). */
+  readonly phase?: 'navigation' | 'painting' | 'waiting' | null;
+  /** Pose of the head; at the desk of the camera. */
+  readonly head?: readonly [number, number, number, number, number, number, number] | null;
+  /** Pose of the left hand or controller. */
+  readonly left?: readonly [number, number, number, number, number, number, number] | null;
+  /** Pose of the right hand or controller. */
+  readonly right?: readonly [number, number, number, number, number, number, number] | null;
+  /** Mean time of a picture in the last second, milliseconds. */
+  readonly mean_ms?: number | null;
+  /** Time that 95% of the last second's pictures kept, milliseconds. */
+  readonly p95_ms?: number | null;
+  /** Pictures of the last second that were late by more than half a period. */
+  readonly dropped?: number | null;
+  /** Properties of the device, such as ``agent``, ``gpu``, ``controllers``, ``rate``. */
+  readonly profile?: Readonly<Record<string, string>> | null;
+}
+
+/** Consecutive records of a log. */
+export interface LogRecords {
+  /** Number of the first of them; the first record of a session has 0. */
+  readonly first: number;
+  /** The records in order. */
+  readonly records: readonly LogRecord[];
+}
+
 /** Facts of a recording; a damaged one may have only its id. */
 export interface Manifest {
   /** Name in URLs; another recording may get it after a deletion. */
@@ -867,6 +937,50 @@ export interface Moving {
   readonly T_shown_frame: readonly number[];
 }
 
+/** A participant that was added, with the code that opens the study. */
+export interface NewParticipant {
+  /** Number in the study, from 1. */
+  readonly number: number;
+  /** Names of the participant's conditions in order. */
+  readonly conditions: readonly string[];
+  /** `waiting` (has not begun), `running`, `paused` by the experimenter, or `done`. */
+  readonly state: 'waiting' | 'running' | 'paused' | 'done';
+  /** Number of the current step, from 0. */
+  readonly step: number;
+  /** Number of steps. */
+  readonly count: number;
+  /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
+  /** Condition of the current step; null: none. */
+  readonly condition: string | null;
+  /** Task of the current step; null: none. */
+  readonly task: string | null;
+  /** Id of the copy that the current step shows, to follow the session; null: none. */
+  readonly sequence: string | null;
+  /** Mean IoU of the labels of the current task; null: no task. */
+  readonly iou: number | null;
+  /** Number of records in the log. */
+  readonly records: number;
+  /** Time of the last call of the participant; null: none yet. */
+  readonly seen: string | null;
+  /** Secret code, which is shown once. */
+  readonly code: string;
+  /** Address to open, with the code. */
+  readonly link: string;
+}
+
+/** A study to be created or to replace one: a value, the text of its file, or a template. */
+export interface NewStudy {
+  /** Name in URLs of a new study; null: derived from the title. */
+  readonly id?: string | null;
+  /** The study; or ``text``, or ``template``. */
+  readonly study?: Study | null;
+  /** The study as YAML. */
+  readonly text?: string | null;
+  /** Name of a study of the package: ``desk-or-headset`` or ``brush-or-object-tool``. */
+  readonly template?: string | null;
+}
+
 /** Tasks to create. */
 export interface NewTasks {
   /** Ids of recordings; null: all of the project. */
@@ -935,6 +1049,34 @@ export interface PaletteLabel {
   readonly category: string;
   /** ``#rrggbb``; null: the default colour of its id. */
   readonly color: string | null;
+}
+
+/** A participant, without the code, of which only a digest is stored. */
+export interface Participant {
+  /** Number in the study, from 1. */
+  readonly number: number;
+  /** Names of the participant's conditions in order. */
+  readonly conditions: readonly string[];
+  /** `waiting` (has not begun), `running`, `paused` by the experimenter, or `done`. */
+  readonly state: 'waiting' | 'running' | 'paused' | 'done';
+  /** Number of the current step, from 0. */
+  readonly step: number;
+  /** Number of steps. */
+  readonly count: number;
+  /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
+  /** Condition of the current step; null: none. */
+  readonly condition: string | null;
+  /** Task of the current step; null: none. */
+  readonly task: string | null;
+  /** Id of the copy that the current step shows, to follow the session; null: none. */
+  readonly sequence: string | null;
+  /** Mean IoU of the labels of the current task; null: no task. */
+  readonly iou: number | null;
+  /** Number of records in the log. */
+  readonly records: number;
+  /** Time of the last call of the participant; null: none yet. */
+  readonly seen: string | null;
 }
 
 /** One line of the history. */
@@ -1087,6 +1229,34 @@ export interface ProjectInfo {
   readonly people: Readonly<Record<string, Readonly<Partial<Record<'open' | 'taken' | 'done' | 'review' | 'accepted' | 'returned', number>>>>>;
 }
 
+/** One item of a questionnaire: a scale. */
+export interface QuestionItem {
+  /** Statement or question. */
+  readonly text: string;
+  /** Text at the low end of the scale. */
+  readonly low: string;
+  /** Text at the high end of the scale. */
+  readonly high: string;
+  /** Number of positions of the scale; answers are 1 to ``steps``. */
+  readonly steps: number;
+  /** A high answer counts as a low one. */
+  readonly reversed: boolean;
+}
+
+/** Items that are answered after each condition or at the end of the study. */
+export interface Questionnaire {
+  /** Name in results. */
+  readonly name: string;
+  /** Published items if there are no others: `sus` System Usability Scale, `tlx` raw NASA-TLX, `own` none. The score is the mean of the answers, 0 to 100, with reversed items turned. */
+  readonly scoring: 'sus' | 'tlx' | 'own';
+  /** Heading of the page; empty: the name. */
+  readonly title: string;
+  /** The items in order. */
+  readonly items: readonly QuestionItem[];
+  /** Time of the questionnaire: after each `condition`, or after the `study`. */
+  readonly after: 'condition' | 'study';
+}
+
 /** The review of a recording. */
 export interface ReviewOverview {
   /** Number of frames in each state. */
@@ -1165,6 +1335,20 @@ export interface Sensor {
   readonly correction: readonly number[];
 }
 
+/** A step of a participant that has a recording, for its replay. */
+export interface SessionStep {
+  /** Number of the step, from 0. */
+  readonly number: number;
+  /** Kind of the step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
+  /** Condition of the step. */
+  readonly condition: string;
+  /** Task of the step. */
+  readonly task: string;
+  /** Id of the participant's copy of the recording. */
+  readonly sequence: string;
+}
+
 /** A version of a project's labels. */
 export interface Snapshot {
   /** Name in URLs. */
@@ -1233,6 +1417,104 @@ export interface Statistics {
   readonly classes: readonly ClassFigures[];
   /** Figures by person, the most hours first. */
   readonly people: readonly PersonFigures[];
+}
+
+/** A study, as its file ``studies/ID.yaml`` in the workspace describes it. */
+export interface Study {
+  /** Title that participants see. */
+  readonly title: string;
+  /** Text to which participants agree first; empty: no such step. */
+  readonly consent: string;
+  /** Ways of labelling to compare. */
+  readonly conditions: readonly Condition[];
+  /** Conditions of a participant: all (`within`) or one (`between`). */
+  readonly design: 'within' | 'between';
+  /** Order of conditions: a balanced `latin` square by the participants' numbers, or `random`. */
+  readonly order: 'latin' | 'random';
+  /** Seed of the random order and of the bootstrap. */
+  readonly seed: number;
+  /** Tasks of each condition, in order; practice comes first. */
+  readonly tasks: readonly StudyTask[];
+  /** Questionnaires in order. */
+  readonly questionnaires: readonly Questionnaire[];
+}
+
+/** A study and the number of its participants. */
+export interface StudyInfo {
+  /** Name in URLs. */
+  readonly id: string;
+  /** The study. */
+  readonly study: Study;
+  /** The file of the study, YAML. */
+  readonly text: string;
+  /** Number of participants. */
+  readonly participants: number;
+  /** Number of participants that have finished. */
+  readonly done: number;
+}
+
+/** The current step of a participant. */
+export interface StudyStep {
+  /** Title of the study. */
+  readonly title: string;
+  /** Number of the step, from 0. */
+  readonly number: number;
+  /** Number of steps. */
+  readonly count: number;
+  /** Kind of the step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
+  /** Text to show: of the consent, the condition or the task. */
+  readonly text: string;
+  /** Condition of the step; null: none. */
+  readonly condition: Condition | null;
+  /** Task of the step; null: none. */
+  readonly task: StudyTask | null;
+  /** Id of the participant's copy of the recording; null: no task. */
+  readonly sequence: string | null;
+  /** First frame of the task. */
+  readonly start: number;
+  /** Frame after the last one of the task. */
+  readonly stop: number;
+  /** Ids of the labels to reach, in the palette of ``sequence``. */
+  readonly labels: readonly number[];
+  /** Seconds until the time limit; null: none. */
+  readonly time_left_s: number | null;
+  /** Seconds since the step began, without pauses; records count from there. */
+  readonly elapsed_s: number;
+  /** The task may end: its time limit or its ``target_iou`` is reached. */
+  readonly reached: boolean;
+  /** Questionnaire of the step; null: none. */
+  readonly questionnaire: Questionnaire | null;
+  /** Number of the next record of the log, from 0. */
+  readonly records: number;
+}
+
+/** Labels to reach in some frames of a recording. */
+export interface StudyTask {
+  /** Name in results. */
+  readonly name: string;
+  /** Id of the recording; each participant labels a copy of it without labels. */
+  readonly recording: string;
+  /** Generated sample that becomes the recording if it does not exist; empty: none. */
+  readonly sample: string;
+  /** Frames ``I:J`` to label, J not included. */
+  readonly frames: string;
+  /** Names of the labels to reach, of the recording's palette. */
+  readonly labels: readonly string[];
+  /** Id of a snapshot or of a recording with the same points, whose labels are the ground truth; empty: the labels of the recording itself. */
+  readonly truth: string;
+  /** Time after which the task ends, seconds without pauses; null: none. */
+  readonly time_limit_s: number | null;
+  /** Event that ends the task: the participant's `button`, the `time` limit, or `iou`, that is ``target_iou``. The time limit ends every task. */
+  readonly stop: 'button' | 'time' | 'iou';
+  /** Mean IoU of the labels at which a task with ``stop`` iou ends. */
+  readonly target_iou: number;
+  /** Text before the task. */
+  readonly instructions: string;
+  /** Picture beside the instructions, as a data URL; empty: a thumbnail of the recording. */
+  readonly picture: string;
+  /** The task is practice: it comes first in each condition and is not in the results. */
+  readonly practice: boolean;
 }
 
 /** Frames of a recording to label. */

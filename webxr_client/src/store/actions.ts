@@ -154,6 +154,8 @@ export interface PageActions {
   /** `passthrough`: the real room stays in sight. */
   enterVR(passthrough?: boolean): Promise<void>;
   exitVR(): Promise<void>;
+  /** Open the studies of the workspace, for managers. */
+  openStudies(): Promise<void>;
 }
 
 /** All actions, by domain. */

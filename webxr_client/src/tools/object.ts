@@ -8,6 +8,7 @@ import { PREVIEW } from '../cloud/picture/palette';
 import { DELETED } from '../cloud/points/piece';
 import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
 import { numbersOf } from '../protocol/codec';
+import { Listeners } from '../store/listeners';
 import { state } from '../store/state';
 import { sourceSample } from './path';
 import { preparation } from './preparation';
@@ -86,6 +87,9 @@ export class ObjectTool {
   /** The stroke that `complete` is about. */
   private replaces: string | null = null;
 
+  /** Called with every click, and whether it removes. */
+  readonly clicks = new Listeners<boolean>();
+
   constructor(private readonly deps: ObjectDeps) {}
 
   /** Show the points that a click at the pointer would take. */
@@ -132,6 +136,7 @@ export class ObjectTool {
   click(pointed: PointerSample, remove = false): void {
     const sample = this.sampleOf(pointed);
     const { taken, offer } = this;
+    this.clicks.run(remove);
     if (taken && taken.frame === this.deps.frame()) {
       remove ||= taken.brush.tool === 'paint' && this.deps.brush()?.tool === 'erase';
       // A click that is not answered yet counts: the next one must not lose it.

@@ -7,6 +7,7 @@ import { actions } from '../../store/actions';
 import { canManage, state } from '../../store/state';
 import { Button } from '../parts/controls';
 import { PopoverButton } from '../parts/popover';
+import { studyCode } from '../../common/checking';
 import { day, plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 import { api, apiUrl } from '../../net/rest';
@@ -17,6 +18,7 @@ export function Welcome() {
   const { state: connection, detail } = state.connection.value;
   const sequences = state.sequences.value;
   if (connection === 'refused') return <Refused detail={detail} />;
+  if (studyCode() !== null) return null;
   if (state.opening.value !== null) return <Waiting text="Opening the recording…" />;
   if (sequences === null) {
     return connection === 'offline' ? <Offline detail={detail} /> : <Waiting text="Connecting…" />;

@@ -1,6 +1,7 @@
 /** One tooltip for the whole page, for elements with `data-tip` (and `data-keys`). */
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { limits } from '../../store/limits';
 import { renamedKeys } from '../../store/own-keys';
 
 interface Tip {
@@ -17,7 +18,9 @@ const [APART, EDGE] = [6, 8];
 const shown = signal<Tip | null>(null);
 
 function explain(target: EventTarget | null): void {
-  const element = target instanceof Element ? target.closest<HTMLElement>('[data-tip]') : null;
+  const hints = limits.peek()?.hints ?? true;
+  const element =
+    hints && target instanceof Element ? target.closest<HTMLElement>('[data-tip]') : null;
   shown.value = element && {
     text: element.dataset['tip']!,
     keys: element.dataset['keys'] ?? '',

@@ -28,6 +28,9 @@ const FACING = { right: 0, up: 0, distance: SIZES.name.distance };
 const SOLID = { vertexColors: true, transparent: true };
 const CLEAR = { ...SOLID, depthWrite: false };
 
+/** Metres between eye and head below which the head would hide all else. */
+const INSIDE = 0.25;
+
 class Avatar {
   readonly group = new Group();
   private readonly head: Mesh;
@@ -37,6 +40,7 @@ class Avatar {
   /** Holds the name, and where that stands. */
   private readonly plate = new Group();
   private readonly above = new Vector3();
+  private hasHead = false;
 
   constructor({ color, name }: Person) {
     const skull = tint(new SphereGeometry(0.11, 20, 14), color, 0.85);
@@ -55,6 +59,7 @@ class Avatar {
 
   take(person: Person): void {
     place(this.head, person.head);
+    this.hasHead = person.head !== null;
     this.hands.forEach((hand, i) => place(hand, person.hands[i] ?? null));
     this.brush.visible = person.brush !== null && person.radius > 0;
     if (person.brush) this.brush.position.set(...person.brush);
@@ -67,6 +72,8 @@ class Avatar {
 
   /** `eye` in the room, as all that is known of people. */
   face(eye: Vector3): void {
+    const { head } = this;
+    head.visible = this.hasHead && head.position.distanceToSquared(eye) > INSIDE * INSIDE;
     faceEyes(this.plate, this.above, eye, FACING);
   }
 

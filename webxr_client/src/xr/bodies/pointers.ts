@@ -1,4 +1,5 @@
 /** All pointers: their arrival and departure, roles, and the targets of their rays. */
+import { limits } from '../../store/limits';
 import { peek } from '../../store/watch';
 import { Body } from './body';
 import { Handover, isOf } from './handover';
@@ -321,7 +322,7 @@ export class Pointers {
    * panel, during a stroke, and in front of a panel.
    */
   teach(seconds: Float64Array, painting: boolean, panels: readonly Panel[]): void {
-    const { tips } = peek(xrSettings);
+    const tips = peek(xrSettings).tips && (peek(limits)?.hints ?? true);
     for (let i = 0; i < this.bodies.length; i++) {
       const body = this.bodies[i]!;
       body.tips.update(seconds, tips && !painting && body.on === null, this.rig, panels);

@@ -3,6 +3,7 @@ import type { IconName } from '../../common/icons';
 import { actions } from '../../store/actions';
 import { aligning } from '../../engine/align-sensors';
 import { unsure } from '../../engine/review';
+import { limits } from '../../store/limits';
 import { activeLabel, state } from '../../store/state';
 import { Glow } from '../drawing/glow';
 import { type AskName, LettersPage, SystemKeyboard } from './pages/writing';
@@ -107,6 +108,7 @@ export class PalettePanel extends Panel {
       [
         sequence,
         sequences,
+        limits,
         palette,
         counts,
         active,
@@ -195,7 +197,8 @@ export class PalettePanel extends Panel {
   private drawTabs(ui: Ui, x: number, top: number): void {
     const { em } = ui;
     let y = top;
-    for (const group of TABS) {
+    // A task of a study has neither boxes nor the work of a project.
+    for (const group of TABS.filter((_, i) => i !== 1 || !limits.peek())) {
       const entries = group.map(([tab, icon, text]): Entry => {
         return [{ icon, text, on: tabOf(this.page) === tab }, () => this.show(tab)];
       });

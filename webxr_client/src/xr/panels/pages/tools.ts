@@ -3,6 +3,7 @@ import { computed } from '@preact/signals';
 import { actions } from '../../../store/actions';
 import { metres } from '../../../common/format';
 import type { IconName } from '../../../common/icons';
+import { offers } from '../../../store/limits';
 import { patch, RADIUS_MAX, RADIUS_MIN, state, type Tool } from '../../../store/state';
 import { roomWay, WAYS, type Way } from '../../../tools/ways';
 import { change, xrSettings } from '../../../store/xr-settings';
@@ -29,9 +30,9 @@ export function drawTools(ui: Ui, x: number, top: number, inner: number): void {
     ui.text(name, x + em * 0.4, top + em * (at + 0.6), { color: INK.quiet });
     ui.strip(x, top + em * (at + NAME), inner, em * TILE, entries, COLUMNS);
   };
-  strip('Selection', 0, TOOLS.map(([id, icon, text]) =>
+  strip('Selection', 0, TOOLS.filter(([id]) => offers(id)).map(([id, icon, text]) =>
     [{ icon, text, on: tool === id }, () => actions.tools.setTool(id)])); // prettier-ignore
-  strip('Shape', SHAPES, WAYS.map((one) =>
+  strip('Shape', SHAPES, WAYS.filter(({ shape }) => offers(shape)).map((one) =>
     [{ icon: one.icon, text: one.label, on: way === one }, () => chooseWay(one)])); // prettier-ignore
   drawBrush(ui, x, top + em * BRUSH, inner, way);
 }

@@ -1,5 +1,6 @@
 /** Page of the palette for the view of the recording, and the standpoint in it. */
 import { actions } from '../../../store/actions';
+import { limits } from '../../../store/limits';
 import { hasDepth, sensors } from '../../../store/sensors';
 import { state } from '../../../store/state';
 import type { Entry, Ui } from '../../drawing/ui';
@@ -48,7 +49,10 @@ export function drawView(
     [{ icon: 'plane', text: 'Floor' }, () => actions.tools.setTool('floor')],
   ]);
   ui.strip(x, top + em * 18.2, inner, em * 3, [
-    [{ icon: 'folder', text: 'Recordings' }, () => show('recordings')],
+    [
+      { icon: 'folder', text: 'Recordings', disabled: limits.peek() !== null },
+      () => show('recordings'),
+    ],
     ...(sensors.peek().length > 0
       ? [[{ icon: 'sensors', text: 'Sensors' }, () => show('sensors')] as Entry]
       : []),

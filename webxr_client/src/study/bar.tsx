@@ -1,0 +1,34 @@
+/** The task of a study in the tool bar: its name, the time left, and the button that ends it. */
+import { Button } from '../panels/parts/controls';
+import { activeStep, canFinish, finish, finishing, minutes, secondsLeft } from './step';
+
+export function StudyBar() {
+  const step = activeStep.value;
+  const left = secondsLeft.value;
+  if (!step?.task) return null;
+  return (
+    <div class="line" role="group" aria-label="Task">
+      {step.kind === 'practice' && <span class="pill">Practice</span>}
+      <strong class="title" data-tip={step.text}>
+        {step.task.name}
+      </strong>
+      <span class="soft small number">
+        Step {step.number + 1} of {step.count}
+      </span>
+      {left !== null && (
+        <span class="number" role="timer">
+          {minutes(left)} left
+        </span>
+      )}
+      {canFinish(step) && (
+        <Button
+          icon="check"
+          label="Done"
+          kind="primary"
+          disabled={finishing.value}
+          onClick={() => void finish([])}
+        />
+      )}
+    </div>
+  );
+}

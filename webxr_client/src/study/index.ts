@@ -1,0 +1,24 @@
+/** The page of a participant: cards at the desk, a panel in the headset, and the session. */
+import { h, render } from 'preact';
+import type { Engine } from '../engine/engine';
+import { state } from '../store/state';
+import { watch } from '../store/watch';
+import type { Headset } from '../xr/headset';
+import { StudyCards } from './cards';
+import { StudyPanel } from './panel';
+import { Session } from './session';
+
+export function installStudy(engine: Engine, headset: Headset): void {
+  new Session(engine, headset);
+  const place = document.createElement('div');
+  document.body.append(place);
+  render(h(StudyCards, {}), place);
+  let hung = false;
+  watch([state.xr], () => {
+    const { cockpit } = headset;
+    const runs = state.xr.peek().session === 'running';
+    // The panel goes with its cockpit.
+    if (runs && cockpit && !hung) cockpit.hang(new StudyPanel());
+    hung = runs;
+  });
+}

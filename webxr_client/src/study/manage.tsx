@@ -1,0 +1,216 @@
+/** The studies of a workspace, for its managers: files, participants, a live view, and results. */
+import { signal } from '@preact/signals';
+import { render } from 'preact';
+import { useEffect, useState } from 'preact/hooks';
+import { percent, plural } from '../common/format';
+import type { Engine } from '../engine/engine';
+import { attempt } from '../engine/recordings/recordings';
+import { api, ApiError, apiUrl } from '../net/rest';
+import { Button } from '../panels/parts/controls';
+import { Field, Table } from '../panels/parts/fields';
+import { useModal } from '../panels/parts/modal';
+import type { NewParticipant, NewStudy, Participant, StudyInfo } from '../protocol/values';
+import { actions } from '../store/actions';
+import { replay } from './replay-bar';
+
+/** From one look at the participants to the next, milliseconds. */
+const LIVE_MS = 2000;
+const TEMPLATES = { 'desk-or-headset': 'Desk or headset', 'brush-or-object-tool': 'Brush or object tool' }; // prettier-ignore
+const RESULTS = { '/report': 'Report with plots', '/results': 'Results as CSV', '/results?format=parquet': 'Results as Parquet' }; // prettier-ignore
+
+const open = signal(false);
+const studies = signal<readonly StudyInfo[]>([]);
+/** The study that is shown; null: the list. */
+const chosen = signal<StudyInfo | null>(null);
+const participants = signal<readonly Participant[]>([]);
+/** Participants that were added here, with the links that the server shows once. */
+const added = signal<readonly NewParticipant[]>([]);
+let engine: Engine | null = null;
+
+/** Open the studies; the first call adds their dialog to the page. */
+export function openStudies(of: Engine): void {
+  if (!engine) render(<Studies />, document.body.appendChild(document.createElement('div')));
+  engine = of;
+  open.value = true;
+}
+
+function place(rest = ''): string {
+  return `studies/${encodeURIComponent(chosen.peek()?.id ?? '')}${rest}`;
+}
+
+/** Change something, and load again what is shown. */
+async function act(failure: string, work: () => Promise<unknown>): Promise<void> {
+  await attempt(failure, work);
+  await attempt('The studies did not load', async () => {
+    studies.value = await api<StudyInfo[]>('GET', 'studies');
+    const { id } = chosen.peek() ?? {};
+    chosen.value = studies.value.find((each) => each.id === id) ?? null;
+    await loadParticipants();
+  });
+}
+
+async function loadParticipants(): Promise<void> {
+  if (!chosen.peek()) return;
+  participants.value = await api<Participant[]>('GET', place('/participants'));
+}
+
+function choose(study: StudyInfo | null): void {
+  chosen.value = study;
+  participants.value = added.value = [];
+}
+
+function create(study: NewStudy): Promise<void> {
+  return act('The study was not created', async () =>
+    choose(await api<StudyInfo>('POST', 'studies', study)),
+  );
+}
+
+function Studies() {
+  const dialog = useModal(open.value);
+  if (!open.value) return null;
+  const study = chosen.value;
+  const close = (): void => void (open.value = false);
+  return (
+    <dialog ref={dialog} class="settings wide" aria-label="Studies" onClose={close}>
+      <header class="line">
+        {study && <Button icon="back" tip="All studies" onClick={() => choose(null)} />}
+        <h2 class="grow">{study?.study.title ?? 'Studies'}</h2>
+        <Button icon="close" tip="Close the studies" onClick={close} />
+      </header>
+      <div class="settings-body stack">{study ? <Study key={study.id} of={study} /> : <List />}</div>
+    </dialog>
+  ); // prettier-ignore
+}
+
+function List() {
+  useEffect(() => void act('', () => Promise.resolve()), []);
+  return (
+    <>
+      <p class="soft">
+        A study compares ways of labelling. Participants open a link, label the same tasks in each
+        condition, and answer questionnaires.
+      </p>
+      <ul class="settings-rows stack">
+        {studies.value.map((each) => (
+          <li key={each.id} class="line">
+            <strong class="name">{each.study.title}</strong>
+            <span class="soft number">{plural(each.participants, 'participant')}, {each.done} done</span>
+            <Button label="Open" kind="outlined" small onClick={() => choose(each)} />
+          </li>
+        ))}
+      </ul>
+      <div class="line">
+        {Object.entries(TEMPLATES).map(([template, title]) => (
+          <Button key={template} icon="plus" label={`New: ${title}`} kind="outlined" onClick={() => void create({ template })} />
+        ))}
+      </div>
+    </>
+  ); // prettier-ignore
+}
+
+function Study({ of }: { of: StudyInfo }) {
+  useEffect(() => {
+    // A lost connection needs no message each time.
+    const look = (): void => void loadParticipants().catch(() => undefined);
+    look();
+    const timer = setInterval(look, LIVE_MS);
+    return () => clearInterval(timer);
+  }, []);
+  return (
+    <>
+      <Participants />
+      <h3>Results</h3>
+      <div class="line wrap">
+        {Object.entries(RESULTS).map(([rest, words]) => (
+          <a key={rest} class="button outlined" href={apiUrl(place(rest))} target="_blank" rel="noreferrer">
+            {words}
+          </a>
+        ))}
+      </div>
+      <File of={of} />
+    </>
+  ); // prettier-ignore
+}
+
+const HEAD = [['No.'], ['Conditions'], ['State'], ['Step'], ['IoU'], ['']] as const;
+
+function Participants() {
+  const [count, setCount] = useState(2);
+  const all = participants.value;
+  const submit = (event: Event): void => {
+    event.preventDefault();
+    void act('No participant was added', async () => {
+      const found = await api<NewParticipant[]>('POST', place('/participants'), { count });
+      added.value = [...added.peek(), ...found];
+    });
+  };
+  return (
+    <>
+      {all.length > 0 && <Table head={HEAD} rows={all.map(rowOf)} />}
+      <form class="line" onSubmit={submit}>
+        <Field label="" type="number" aria-label="Number of new participants" min={1} max={100} value={count}
+          onInput={({ currentTarget }) => setCount(currentTarget.valueAsNumber || 1)} />
+        <Button submit label="Add participants" kind="primary" />
+      </form>
+      {added.value.length > 0 && (
+        <div class="note stack">
+          <p>Copy these links now: they are shown only once.</p>
+          {added.value.map(({ number, link }) => <code key={number}>{number}: {link}</code>)}
+        </div>
+      )}
+    </>
+  ); // prettier-ignore
+}
+
+function rowOf(one: Participant) {
+  const { number, conditions, state, step, count, kind, task, iou, sequence, records } = one;
+  const path = place(`/participants/${number}`);
+  const paused = state === 'paused';
+  const tip = `${paused ? 'Continue' : 'Pause'} the session of participant ${number}`;
+  const pause = (): void =>
+    void act('The session was not paused', () => api('PATCH', path, { paused: !paused }));
+  const remove = (): void => void act('The participant was not deleted', () => api('DELETE', path));
+  const leaveTo = (run: () => unknown): void => {
+    open.value = false;
+    run();
+  };
+  return [
+    number,
+    conditions.join(', '),
+    <span class={paused ? 'pill warn' : 'pill'}>{state}</span>,
+    `${step + 1} of ${count} · ${task ? `${kind} ${task}` : kind}`,
+    iou === null ? '' : percent(iou),
+    <div class="line">
+      {state !== 'waiting' && state !== 'done' && <Button icon={paused ? 'play' : 'pause'} tip={tip} small onClick={pause} />}
+      {sequence && <Button icon="eye" tip={`Look at the recording of participant ${number}`} small
+        onClick={() => leaveTo(() => actions.recordings.openSequence(sequence))} />}
+      {records > 0 && <Button icon="history" tip={`Replay participant ${number}`} small
+        onClick={() => leaveTo(() => replay(engine!, number, path))} />}
+      <Button icon="trash" tip={`Delete participant ${number} with all data`} small onClick={remove} />
+    </div>,
+  ]; // prettier-ignore
+}
+
+function File({ of }: { of: StudyInfo }) {
+  const [text, setText] = useState(of.text);
+  const [refusal, setRefusal] = useState('');
+  const fixed = of.participants > 0;
+  const save = async (): Promise<void> => {
+    const answer = api<StudyInfo>('PUT', place(), { text });
+    setRefusal(await answer.then((found) => ((chosen.value = found), ''), (error: ApiError) => error.message));
+  }; // prettier-ignore
+  return (
+    <>
+      <h3>File</h3>
+      {fixed && <p class="soft">A study with participants cannot be changed.</p>}
+      <textarea class="field" aria-label="File of the study" spellcheck={false} style={{ height: '40vh' }}
+        value={text} readOnly={fixed} onInput={({ currentTarget }) => setText(currentTarget.value)} />
+      {refusal && <p class="note bad" role="alert">{refusal}</p>}
+      <footer class="line spread">
+        <Button label="Delete the study" kind="danger" onClick={() =>
+          void act('The study was not deleted', () => api('DELETE', place()))} />
+        <Button label="Save" kind="primary" disabled={fixed || text === of.text} onClick={() => void save()} />
+      </footer>
+    </>
+  ); // prettier-ignore
+}
