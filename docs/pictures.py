@@ -28,6 +28,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from docs import box_pictures, headset_pictures, sensor_pictures, team_pictures  # noqa: E402
+from docs import box_pictures, headset_pictures, study_pictures, team_pictures  # noqa: E402
 from pointbrush.samples import Recording, generate  # noqa: E402
 from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 from tests.e2e.desk import Desk, launch  # noqa: E402
@@ -273,6 +274,12 @@ def main() -> None:
         team_pictures.take(chromium, Path(folder), save)
         sensor_pictures.take(chromium, Path(folder), save)
         headset_pictures.take(server, chromium, IMAGES, dust, nearest.tolist())
+        study_pictures.take(
+            chromium,
+            Path(folder),
+            save,
+            lambda eyes, name: headset_pictures.save(eyes, IMAGES / f"{name}.jpg"),
+        )
         chromium.close()
 
 
