@@ -27,8 +27,13 @@ from playwright.sync_api import Browser, sync_playwright
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from docs import box_pictures, headset_pictures, sensor_pictures, team_pictures  # noqa: E402
-from docs import box_pictures, headset_pictures, study_pictures, team_pictures  # noqa: E402
+from docs import (  # noqa: E402
+    box_pictures,
+    headset_pictures,
+    sensor_pictures,
+    study_pictures,
+    team_pictures,
+)
 from pointbrush.samples import Recording, generate  # noqa: E402
 from tests.e2e.chromium import EXECUTABLE, FLAGS  # noqa: E402
 from tests.e2e.desk import Desk, launch  # noqa: E402
