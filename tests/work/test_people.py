@@ -19,6 +19,7 @@ from pointbrush.masks.people import model
 from pointbrush.masks.people.options import PeopleOptions
 from pointbrush.samples import generate
 from pointbrush.samples.recording import Recording as Sample
+from pointbrush.samples.stage import Stage, StageOptions
 from pointbrush.sequences import RecordingInfo, import_frames, open_sequence
 from pointbrush.sequences.storage.recording_files import FolderFiles
 from pointbrush.work.people.frames import Search
@@ -186,3 +187,19 @@ def test_the_asynchronous_client_labels_people(served: Served) -> None:
             return (await room.label_people()).people
 
     assert asyncio.run(searched()) == 0
+
+
+def test_a_person_before_three_cameras_is_one_person(tmp_path: Path) -> None:
+    stage = Stage(SEED, 1, StageOptions())
+    import_frames(stage.frames, tmp_path / "stage", RecordingInfo("stage", "Stage", 30.0))
+    recording = open_sequence(FolderFiles(tmp_path / "stage"))
+    frame, truth = recording[0], stage.truth[0][recording[0].source_index]
+    found = Search(recording, model.PersonModel(), PeopleOptions()).people_in(0)
+    assert len(found) == len(JUGGLERS)
+    for person in found:
+        label = np.bincount(truth[person.numbers]).argmax()
+        own = np.flatnonzero(truth == label)
+        assert label in JUGGLERS
+        both = len(np.intersect1d(own, person.numbers))
+        assert both / len(np.union1d(own, person.numbers)) > 0.85
+        assert set(frame.sensor[person.numbers].tolist()) == {0, 1, 2}
