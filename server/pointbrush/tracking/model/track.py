@@ -325,9 +325,7 @@ def _made(
     xyz = view.xyz[indices].astype(np.float64)
     colour = view.colour(indices)
     most = most or options.track.dense_points
-    # The spacing is that of one sensor's points, not of several together.
-    own = max((points[indices] for points in view.points_by_sensor), key=np.count_nonzero)
-    spacing, speckle = texture(xyz[own], colour[own], options=options.track)
+    spacing, speckle = texture(xyz, colour, options=options.track)
     if not view.scans:  # no computation uses more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
     unit = max(spacing, noise, options.track.ring_share * across_rings(xyz, options=options.track))
