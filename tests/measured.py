@@ -21,7 +21,7 @@ QUICK = {
         "selection/test_objects.py",
         "labels/test_model.py",
     ),
-    "undo": ("labels/test_undo.py", "labels/test_round_trips.py"),
+    "undo": ("labels/test_undo.py", "database/test_round_trips.py"),
     "track labels": ("tracking/test_methods.py", "tracking/test_held.py", "tracking/test_lidar.py"),
     "fit boxes": ("fitting/test_fitting.py", "labels/test_boxes.py"),
     "label by example": (
@@ -29,8 +29,8 @@ QUICK = {
         "classify/test_features.py",
         "web/test_classifier_calls.py",
     ),
-    "keep every edit": ("labels/test_durability.py", "labels/test_whole_edits.py"),
-    "open older workspaces": ("labels/test_migrate.py", "labels/test_old_workspace.py"),
+    "keep every edit": ("database/test_durability.py", "labels/test_whole_edits.py"),
+    "open older workspaces": ("database/test_migrate.py", "database/test_old_workspace.py"),
     "play frames": (
         "streaming/test_socket_points.py",
         "streaming/test_plan.py",

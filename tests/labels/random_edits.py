@@ -6,12 +6,12 @@ import random
 from typing import Any
 
 import numpy as np
-from label_model import Model
 
 from pointbrush.geometry.oriented_box import BoxPose, OrientedBox
 from pointbrush.labels import Commit, Write
 from pointbrush.labels.versions import PastLabels
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.labels.label_model import Model
 
 PLACES = [0, 1, 2, 3, 4, 5, 65_534, 65_535, 65_536, 65_537]
 POINTS = [65_540, 65_540, 20]

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from label_model import Model
-from random_edits import box_at, boxes_of, place_at
 from waiting import eventually
 
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import Commit, Write, writer
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.labels.label_model import Model
+from tests.labels.random_edits import box_at, boxes_of, place_at
 
 # Points on both sides of the border between two blocks.
 PLACES = [0, 1, 2, 3, 65_534, 65_535, 65_536, 65_537]

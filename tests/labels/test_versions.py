@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_edits import AUTHORS, POINTS, apply_to_store, boxes_of, random_edit
 
 from pointbrush.errors import ConflictError, NotFoundError, PointbrushError
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.labels.random_edits import AUTHORS, POINTS, apply_to_store, boxes_of, random_edit
 
 SEQUENCE = "journal"
 PROJECT = "default"

@@ -15,10 +15,10 @@ LEFT = {
     "clusters": "test_jobs_again.py, faults/test_proxy.py",
     "crowds": "faults/test_descriptors.py, web/test_hostile.py",
     "damage": "faults/test_damage.py",
-    "disks": "faults/test_full_disk.py, faults/test_descriptors.py, labels/test_durability.py",
+    "disks": "faults/test_full_disk.py, faults/test_descriptors.py, database/test_durability.py",
     "encrypted": "web/test_tls_round.py, web/test_log_limits.py",
     "many_imports": "test_jobs_again.py, faults/test_scripts_survive.py",
-    "old_workspaces": "labels/test_old_workspace.py, faults/test_jobs_survive.py",
+    "old_workspaces": "database/test_old_workspace.py, faults/test_jobs_survive.py",
     "outgoing": "test_outgoing.py, web/test_webhooks.py, web/test_oidc.py",
 }
 """Modules of scenarios, and the tests that have their faults, too."""

@@ -1,6 +1,6 @@
 """Kill -9 at random moments, full disks, lost databases: what was answered stays.
 
-POINTBRUSH_KILLS=200 pytest tests/labels/test_durability.py   # the long version
+POINTBRUSH_KILLS=200 pytest tests/database/test_durability.py   # the long version
 """
 
 from __future__ import annotations
@@ -15,10 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from crash_child import edit_together
-from label_model import Model
 from postgres import PostgresServer
-from random_edits import POINTS, apply_to_model, differences
 from sqlalchemy import event
 from waiting import eventually
 
@@ -26,6 +23,9 @@ from pointbrush.errors import UnavailableError
 from pointbrush.labels import Write
 from pointbrush.teamwork.store import WorkspaceStore
 from tests import forked
+from tests.database.crash_child import edit_together
+from tests.labels.label_model import Model
+from tests.labels.random_edits import POINTS, apply_to_model, differences
 
 KILLS = int(os.environ.get("POINTBRUSH_KILLS", "12"))
 KILLS_PER_SEQUENCE = 4

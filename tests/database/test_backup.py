@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from random_edits import box_at, boxes_of
 
 from pointbrush.database.backup import back_up, restore
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, UnavailableError
 from pointbrush.labels import Write
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.labels.random_edits import box_at, boxes_of
 
 SEQ = "juggling"
 

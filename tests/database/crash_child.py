@@ -8,11 +8,10 @@ import threading
 import uuid
 from typing import Any
 
-from random_edits import AUTHORS, apply_to_store, random_edit
-
 from pointbrush.errors import PointbrushError
 from pointbrush.labels import writer
 from pointbrush.teamwork.store import WorkspaceStore
+from tests.labels.random_edits import AUTHORS, apply_to_store, random_edit
 
 SPEAKING = threading.Lock()
 
