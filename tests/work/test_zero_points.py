@@ -10,6 +10,7 @@ import pytest
 
 from pointbrush.formats import Limits
 from pointbrush.settings import Settings
+from pointbrush.values.imports import PreviewedFrame
 from pointbrush.work.imports.previewing import preview
 from pointbrush.work.imports.requests import ImportRequest
 from pointbrush.workspace import Workspace
@@ -34,7 +35,7 @@ def test_rows_of_absent_points_stay_in_the_labels(tmp_path: Path, ending: str) -
         case _:
             path.write_text("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in xyz.tolist()))
     found = preview(ImportRequest((path,)), Limits())
-    assert found.points == [{"points": KEPT, "left_out": ROWS - KEPT}]
+    assert found.points == (PreviewedFrame(KEPT, ROWS - KEPT),)
     labels = np.arange(ROWS, dtype=np.uint16) % 3
     (tmp_path / "labels").mkdir()
     np.save(tmp_path / "labels" / "scan.npy", labels)
