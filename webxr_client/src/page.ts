@@ -14,7 +14,7 @@ import { ExampleBar, ExampleButton } from './example/bar';
 import { ExamplePanel } from './example/panel';
 import { Predicting } from './example/predicting';
 import type { Early } from './net/early';
-import { installOverlays } from './overlays/index';
+import { installOverlays, type Overlays } from './overlays/index';
 import { mountPanels } from './panels/index';
 import { ProjectSettings } from './team/settings-dialog';
 import { bindActions } from './store/actions';
@@ -71,20 +71,21 @@ export function startPage(early: Early): void {
     new PeoplePreview(engine);
     new Compared(engine);
     new Flight(engine);
-    const { installHeadset, leadFirstMinute } = await import('./xr/index');
-    const headset = installHeadset(engine, overlays);
-    if (studyCode() !== null) {
-      const { installStudy } = await import('./study/index');
-      installStudy(engine, headset);
-      return;
-    }
-    if (!isCheck()) {
-      leadFirstMinute(engine, headset);
-      return;
-    }
+    await installLast(engine, overlays);
+  });
+}
+
+/** Install the headset, and with it a study, the check of headsets or the first minute. */
+async function installLast(engine: Engine, overlays: Overlays): Promise<void> {
+  const { installHeadset, leadFirstMinute } = await import('./xr/index');
+  const headset = installHeadset(engine, overlays);
+  if (studyCode() !== null) {
+    const { installStudy } = await import('./study/index');
+    installStudy(engine, headset);
+  } else if (isCheck()) {
     const { installCheck } = await import('./checking/index');
     installCheck(engine, headset);
-  });
+  } else leadFirstMinute(engine, headset);
 }
 
 /** Resolves once points have been drawn, when none are to be waited for, or after a while. */

@@ -197,7 +197,9 @@ export class Engine {
     });
     follow(() => {
       const colors = sensors.value.map(({ color }) => color);
-      this.viewer.setSensors(colors, hiddenSensors.value);
+      this.viewer.palette.setSensors(colors, hiddenSensors.value);
+      this.viewer.uniforms.setSeveralSensors(colors.length > 0);
+      this.viewer.invalidate();
     });
     follow(() => {
       // A headset's room stays dark: a bright sky all around dazzles.

@@ -108,8 +108,7 @@ export class ObjectTool {
   /** The pointer left the recording. */
   leave(): void {
     this.waiting = null;
-    if (this.offer?.question.purpose !== 'hover' || this.taken) return;
-    this.drop();
+    if (this.offer?.question.purpose === 'hover' && !this.taken) this.drop();
   }
 
   /** Walk through the levels; false when none are shown. */
@@ -148,9 +147,8 @@ export class ObjectTool {
       return;
     }
     if (remove) return;
-    const isHovered =
-      offer?.question.purpose === 'hover' && offer.question.frame === this.deps.frame();
-    if (isHovered && samePlace(offer.question.positives[0], sample)) this.take(offer);
+    const here = offer?.question.frame === this.deps.frame() && offer.question.purpose === 'hover';
+    if (here && samePlace(offer.question.positives[0], sample)) this.take(offer);
     else this.ask({ positives: [sample], negatives: [] }, 'take');
   }
 
@@ -189,9 +187,8 @@ export class ObjectTool {
     this.rest?.();
     this.rest = null;
     this.taken = null;
-    this.pending = null;
-    this.waiting = null;
     this.replaces = null;
+    this.restart();
     this.drop();
     return going;
   }
@@ -375,8 +372,7 @@ export class ObjectTool {
 
   private publishState(): void {
     const { offer } = this;
-    const shown = offer?.candidates[offer.level];
-    const taken = this.taken !== null;
+    const [shown, taken] = [offer?.candidates[offer.level], this.taken !== null];
     state.object.value = offer && {
       levels: offer.candidates.length,
       level: offer.level,

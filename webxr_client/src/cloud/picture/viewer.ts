@@ -208,13 +208,6 @@ export class Viewer {
     this.invalidate();
   }
 
-  /** Colours of several sensors, "#rrggbb", and the numbers of hidden ones. */
-  setSensors(colors: readonly string[], hidden: ReadonlySet<number>): void {
-    this.palette.setSensors(colors, hidden);
-    this.uniforms.setSeveralSensors(colors.length > 0);
-    this.invalidate();
-  }
-
   /** Colour points by their normals, or not; normals are computed for the frame on screen. */
   private showNormals(on: boolean): void {
     const { uniforms, room, shown } = this;

@@ -14,6 +14,11 @@ export interface Hit {
   readonly position: [number, number, number];
 }
 
+/** Whether no point of a piece can be met: its sensor is hidden, or the ray passes its box. */
+function misses(piece: Piece): boolean {
+  return isHidden(piece) || !boxMeetsRay(piece.lo, piece.hi);
+}
+
 /**
  * Return the place in which a ray first meets the surface, or null.  Local coordinates, `direction` of unit length.
  *
@@ -41,7 +46,7 @@ export function firstHit(
   measures[RADIUS] = radius;
   for (let number = 0; number < frame.pieces.length; number++) {
     const piece = frame.pieces[number]!;
-    if (isHidden(piece) || !boxMeetsRay(piece.lo, piece.hi)) continue;
+    if (misses(piece)) continue;
     const factor = densityFactor(frame, piece);
     const { words } = piece;
     const blocks = blocksOf(piece);

@@ -122,8 +122,8 @@ function sensor({ name, joined, left_out: leftOut }: ImportPreview['sensors'][nu
 }
 
 function camera({ name, color, intrinsics }: ImportPreview['cameras'][number]): string {
-  const more = color === undefined ? '' : ` (colour: ${color}; intrinsics: ${intrinsics})`;
-  return `${name}${more}`;
+  if (typeof color !== 'string') return String(name);
+  return `${String(name)} (colour: ${color}; intrinsics: ${String(intrinsics)})`;
 }
 
 export function Labels({ found }: { found: ImportedLabels }) {
