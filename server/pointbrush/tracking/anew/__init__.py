@@ -1,0 +1,1 @@
+"""`auto-next`: tracking by one labelling energy per frame."""
