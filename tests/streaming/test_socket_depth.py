@@ -136,6 +136,6 @@ def test_a_rig_sends_depth_images_of_its_cameras_and_points_of_its_lidar(served:
         recording = client["rig"]
         [left, right, top] = recording.manifest.sensors
         assert (left.type, right.points, top.times) == ("depth", (13568,), (None,))
-        np.testing.assert_allclose(right.mounts[0], mount(1) @ corrections()[1])
+        np.testing.assert_allclose(np.reshape(right.mounts[0], (4, 4)), mount(1) @ corrections()[1])
         points = recording.frames[0].points()
         np.testing.assert_array_equal(points["sensor"], rig(0).sensor)

@@ -12,7 +12,7 @@ from typing_extensions import TypedDict
 
 from pointbrush.client.steps import Request
 from pointbrush.errors import BadInputError, NotFoundError
-from pointbrush.values.imports import ImportedBoxes
+from pointbrush.values.imports import ImportedBoxes, Sensors
 
 
 class UploadFile:
@@ -69,7 +69,11 @@ class ImportKeywords(TypedDict, total=False):
     decimal_comma: bool | None
     scale: float | None
     up: str | None
-    topic: str | None
+    topic: str | Sequence[str] | None
+    sensor: str | Sequence[str] | None
+    sensors: Sensors | None
+    extrinsics: str | None
+    clock_offset: str | Sequence[str] | None
     poses: str | None
     by_order: bool
     drop_invalid: bool
