@@ -5,7 +5,7 @@ export function isCheck(): boolean {
 
 /** Return the code of the participant whose study this page is, by its address; null: none. */
 export function studyCode(): string | null {
-  return /\/study\/([\w-]+)$/.exec(location.pathname)?.[1] ?? null;
+  return /\/study\/([\w-]+)$/.exec(new URL(document.baseURI).pathname)?.[1] ?? null;
 }
 
 /** Return whether a part of the page chooses the recording, in place of the address. */

@@ -56,6 +56,7 @@ describe('what goes out before the page has loaded', () => {
   });
 
   it('opens the only recording there is', () => {
+    vi.stubGlobal('document', { baseURI: 'http://host/' });
     vi.stubGlobal('location', new URL('http://host/'));
     expect(firstOf([{ id: 'only' }])).toBe('only');
     expect(firstOf([])).toBe(null);
