@@ -58,7 +58,7 @@ class Labelling:
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """What is known of a track's window (M,), in metres and nats; no prior changes it.
+    """Evidence at the points (M,) of a track's window, in metres and nats; no prior changes it.
 
     ``gap``: distance to the model; ``cost``: the same in place and colour; ``sure``: whether the
     model is well confirmed there; ``carved``: earlier views looked through; ``ratio``: log ratio of
@@ -257,7 +257,7 @@ def _components(
     there: Mask,
     options: NextOptions,
 ) -> tuple[Mask, Mask, Mask, F64]:
-    """Return what the components of the nodes (S,) are.
+    """Return the kind of the component of each node (S,).
 
     Masks: open; with a track that moves and touches no scenery; in a part beside known surface
     that is closed.  The last is the share of the part that was there in the last frame.

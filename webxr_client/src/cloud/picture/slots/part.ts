@@ -1,4 +1,4 @@
-/** What one sensor, or all sensors without an image, draw of a frame on the GPU. */
+/** The GPU's part of a frame: of one sensor, or of all sensors without an image. */
 import type { Matrix4, Object3D } from 'three';
 import type { CloudFrame } from '../../points/frame';
 
