@@ -17,20 +17,11 @@ from pointbrush.work.studies.results import Row, at_seconds
 from pointbrush.work.studies.statistics import by_participant, effects
 
 COLORS = ("#3b82f6", "#e07a1f", "#2e9e6b", "#9b5de5", "#d9534f", "#0f9bb0")
-MEASURES = {
-    "duration_s": "Duration, s",
-    "iou": "IoU at the end",
-    "time_to_80_s": "Time to IoU .8, s",
-    "time_to_90_s": "Time to IoU .9, s",
-    "strokes": "Strokes",
-    "undos": "Undos",
-    "head_m": "Travel of the head, m",
-    "left_m": "Travel of the left hand, m",
-    "right_m": "Travel of the right hand, m",
-    "navigation": "Share of navigation",
-    "painting": "Share of painting",
-    "waiting": "Share of waiting",
-}
+MEASURES = (
+    "duration_s", "iou", "time_to_80_s", "time_to_90_s", "strokes", "undos", "head_m", "left_m",
+    "right_m", "navigation", "painting", "waiting",
+)  # fmt: skip
+"""Columns of the results that are compared, besides the scores."""
 NOTE = (
     "Means over participants. A difference is the second condition minus the first, with the "
     "interval that holds 95% of 2,000 bootstrap samples of participants. d is Cohen's d"
@@ -70,25 +61,22 @@ def _curves(study: Study, results: Sequence[tuple[Row, Sequence[Point]]]) -> str
 
 
 def _means(study: Study, rows: Sequence[Row]) -> str:
-    scores = {each.name: f"{each.title or each.name}, 0 to 100" for each in study.questionnaires}
     names = [each.name for each in study.conditions]
     paired, bars = study.design == "within", ""
     lines: list[tuple[str, ...]] = []
-    for measure, title in {**MEASURES, **scores}.items():
-        means = by_participant(rows, measure)
-        if not means:
-            continue
-        bars += f"<p>{escape(title)}</p>" + plots.named_bars(
-            [
-                (each.name, COLORS[n % len(COLORS)], value, f"{value:.3g} (n = {len(own)})")
-                for n, each in enumerate(study.conditions)
-                if (own := means.get(each.name))
-                for value in [float(np.mean([*own.values()]))]
-            ]
-        )
+    for measure in (*MEASURES, *(each.name for each in study.questionnaires)):
+        means = [
+            (name, COLORS[n % len(COLORS)], float(np.mean([*own.values()])), f"n = {len(own)}")
+            for n, name in enumerate(names)
+            if (own := by_participant(rows, measure).get(name))
+        ]
+        if means:
+            bars += f"<p>{escape(measure)}</p>" + plots.named_bars(
+                [(name, color, mean, f"{mean:.3g} ({n})") for name, color, mean, n in means]
+            )
         lines += [
             (
-                title,
+                measure,
                 f"{each.second} – {each.first}",
                 str(each.count),
                 _with_interval(each.difference, each.interval),
