@@ -127,7 +127,6 @@ COMMANDS = {
     "project": "project list",
     "task": "task list",
     "webhook": "webhook list",
-    "study": "study list",
     "undo": "undo drift",
     "token": "token list",
     "check": "check",

@@ -15,7 +15,6 @@ from pointbrush.commands import (
     reviewing,
     serving,
     storage,
-    studying,
     team,
     tools,
 )
@@ -41,7 +40,7 @@ PRINTERS = (serving.demo, serving.serve, reviewing.review, completion, tools.ben
 VERBS = (
     serving.demo, importing.import_, importing.import_labels, serving.serve, labelling.track,
     labelling.fit_boxes, labelling.find_people, recordings.align_sensors, labelling.example,
-    exporting.export, recordings.info, team.project, team.task, team.webhook, studying.study,
+    exporting.export, recordings.info, team.project, team.task, team.webhook,
     recordings.undo, team.token, reviewing.review, storage.check, reviewing.check_labels,
     reviewing.compare, reviewing.report, recordings.labels, recordings.delete,
     recordings.undelete, recordings.rename,

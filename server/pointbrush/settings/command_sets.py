@@ -11,7 +11,7 @@ REMOTE = (
 """Commands that work on the workspace of this machine, or on that of a server."""
 LOCAL = ("check", "backup", "restore", "review", "move")
 """Commands that need the folder of the workspace."""
-CLIENTS = (*REMOTE, "project", "task", "webhook", "study", "undo")
+CLIENTS = (*REMOTE, "project", "task", "webhook", "undo")
 """Commands that work on a server; the commands that are not in ``REMOTE`` need one."""
 EVERYWHERE = (*REMOTE, *LOCAL, *SERVERS)
 """Commands that open a workspace."""
