@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, get_args
 
@@ -21,16 +20,6 @@ LEVELS = {"time_to_80_s": 0.8, "time_to_90_s": 0.9}
 """IoU that the measures of time wait for."""
 
 
-@dataclass(frozen=True, slots=True)
-class Task:
-    """Sources of the measures of a task: duration, records, edits by revision, IoU over time."""
-
-    duration_s: float
-    records: Sequence[Record]
-    edits: Sequence[EditInfo]
-    curve: Sequence[Point]
-
-
 def times_of(edits: Sequence[EditInfo], records: Sequence[Record]) -> dict[str, float]:
     """Return the time of each edit in the log by its id, seconds since the task began.
 
@@ -45,27 +34,25 @@ def times_of(edits: Sequence[EditInfo], records: Sequence[Record]) -> dict[str, 
     return found
 
 
-def measures(task: Task) -> dict[str, Any]:
+def measures(
+    duration_s: float, records: Sequence[Record], strokes: int, curve: Sequence[Point]
+) -> dict[str, Any]:
     """Return the measures of a task by name; None: the value was not reached or not logged."""
-    counts = Counter(each["kind"] for each in task.records)
-    times = times_of(task.edits, task.records)
-    strokes = sum(1 for each in task.edits if each.id in times and each.target is None)
+    counts = Counter(each["kind"] for each in records)
     return {
-        "duration_s": round(task.duration_s, 3),
-        "iou": task.curve[-1][1],
-        **{name: reached(task.curve, level) for name, level in LEVELS.items()},
+        "duration_s": round(duration_s, 3),
+        "iou": curve[-1][1],
+        **{
+            name: next((at for at, iou in curve if iou >= level), None)
+            for name, level in LEVELS.items()
+        },
         "strokes": strokes,
         "clicks": counts["click"],
         "undos": counts["undo"],
         "redos": counts["redo"],
-        **{f"{limb}_m": travel(task.records, limb) for limb in LIMBS},
-        **shares(task.records, task.duration_s),
+        **{f"{limb}_m": travel(records, limb) for limb in LIMBS},
+        **shares(records, duration_s),
     }
-
-
-def reached(curve: Sequence[Point], level: float) -> float | None:
-    """Return the first time at which the IoU is at least ``level``, or None."""
-    return next((at for at, iou in curve if iou >= level), None)
 
 
 def travel(records: Sequence[Record], limb: str) -> float | None:

@@ -64,49 +64,34 @@ def truth_of(store: WorkspaceStore, library: Library, task: StudyTask) -> Frames
 
 
 class Overlap:
-    """Intersection over union of labels with the ground truth, updated edit by edit."""
+    """Intersection over union of labels with the ground truth, by frames."""
 
     def __init__(self, truth: Frames, labels: Sequence[int]) -> None:
         """``labels``: the ids to reach; labels without points in ``truth`` do not count."""
         self._truth = truth
-        self._held = {frame: np.zeros_like(values) for frame, values in truth.items()}
-        self._deleted = {frame: np.zeros(len(values), bool) for frame, values in truth.items()}
-        true = sum(np.bincount(values, minlength=1 << 16) for values in truth.values())
-        self._ids = [each for each in labels if np.asarray(true)[each]]
-        self._true = np.asarray(true)[self._ids]
-        self._both = np.zeros(1 << 16, np.int64)
-        self._own = np.zeros(1 << 16, np.int64)
+        true = np.sum([_counts(values) for values in truth.values()], axis=0)
+        self._labels = [each for each in labels if true[each]]
+        self._shares = {frame: self._share(frame, np.zeros_like(truth[frame])) for frame in truth}
 
     @property
     def iou(self) -> float:
         """Return the mean intersection over union of the labels, over all frames together."""
-        both, own = self._both[self._ids], self._own[self._ids]
-        return float(np.mean(both / (self._true + own - both))) if self._ids else 0.0
+        both, either = np.sum([*self._shares.values()], axis=0)
+        return float(np.mean(both / either)) if self._labels else 0.0
 
     def put(self, frame: int, values: Labels) -> None:
-        """Set the labels of a whole frame."""
-        self._count(frame, np.arange(len(values)), -1)
-        self._held[frame][:] = values
-        self._count(frame, np.arange(len(values)), 1)
+        """Set the labels of a frame."""
+        self._shares[frame] = self._share(frame, values)
 
-    def apply(self, changes: Changes) -> None:
-        """Apply the changes of an edit; other frames are ignored."""
-        for (frame, layer, block), change in changes.items():
-            if frame not in self._truth:
-                continue
-            at = change.indices + block * BLOCK
-            self._count(frame, at, -1)
-            if layer == LABELS:
-                self._held[frame][at] = label_of(change.after)
-            else:
-                self._deleted[frame][at] = deleted_of(change.after)
-            self._count(frame, at, 1)
+    def _share(self, frame: int, values: Labels) -> NDArray[np.int64]:
+        """Return the points of intersection and union by label."""
+        true = self._truth[frame]
+        both = _counts(values[values == true])
+        return np.array([both, _counts(values) + _counts(true) - both])[:, self._labels]
 
-    def _count(self, frame: int, at: NDArray[np.int64], sign: int) -> None:
-        own = np.where(self._deleted[frame][at], np.uint16(0), self._held[frame][at])
-        self._own += sign * np.bincount(own, minlength=1 << 16)
-        same = own[own == self._truth[frame][at]]
-        self._both += sign * np.bincount(same, minlength=1 << 16)
+
+def _counts(values: Labels) -> NDArray[np.int64]:
+    return np.bincount(values, minlength=1 << 16)
 
 
 Point = tuple[float, float]
@@ -114,11 +99,23 @@ Point = tuple[float, float]
 
 
 def curve_of(
-    edits: Iterable[tuple[EditInfo, Changes]], times: Mapping[str, float], overlap: Overlap
+    edits: Iterable[tuple[EditInfo, Changes]],
+    times: Mapping[str, float],
+    truth: Frames,
+    labels: Sequence[int],
 ) -> Iterator[Point]:
     """Yield the IoU at the begin and after each edit that has a time, by the edit's id."""
+    overlap = Overlap(truth, labels)
+    held = {frame: np.zeros_like(values) for frame, values in truth.items()}
+    deleted = {frame: np.zeros(len(values), bool) for frame, values in truth.items()}
     yield 0.0, overlap.iou
     for edit, changes in edits:
-        overlap.apply(changes)
+        for (frame, layer, block), change in changes.items():
+            if frame in truth and layer == LABELS:
+                held[frame][change.indices + block * BLOCK] = label_of(change.after)
+            elif frame in truth:
+                deleted[frame][change.indices + block * BLOCK] = deleted_of(change.after)
+        for frame in {frame for frame, _, _ in changes} & truth.keys():
+            overlap.put(frame, np.where(deleted[frame], np.uint16(0), held[frame]))
         if edit.id in times:
             yield times[edit.id], overlap.iou

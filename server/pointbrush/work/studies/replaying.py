@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,6 @@ from pointbrush.labels.packing import (
     label_of,
     provenance_of,
 )
-from pointbrush.labels.types import EditInfo
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Record
@@ -29,13 +27,6 @@ from pointbrush.values.study import Replay
 
 WHO = "participant"
 LAYERS = ("label", "provenance", "confidence", "deleted")
-
-
-@dataclass(frozen=True, slots=True)
-class DifferenceError(Exception):
-    """The first difference of a replay."""
-
-    text: str
 
 
 def replay(
@@ -52,60 +43,46 @@ def replay(
     ):
         for name, (recording, records) in copies.items():
             try:
-                applied += _replay_one(store, fresh, recording, records)
-            except DifferenceError as found:
-                return Replay(False, applied, f"{name}: {found.text}")
+                applied += _apply_all(store, fresh, recording, records)
+                _compare(store, fresh, recording)
+            except ConflictError as difference:
+                return Replay(False, applied, f"{name}: {difference}")
     return Replay(True, applied, "")
 
 
-def _replay_one(
+def _apply_all(
     store: WorkspaceStore, fresh: LabelStore, recording: Recording, records: Sequence[Record]
 ) -> int:
-    manifest = recording.manifest
-    made = {edit.id.lower(): (edit, changes) for edit, changes in store.changes(manifest.id)}
-    fresh.recordings.register(manifest.id, manifest.points)
-    for label in store.palette(manifest.id):
-        fresh.create_label(manifest.id, "import", name=label.name, id=label.id, color=label.color)
-    applied = _apply_all(fresh, manifest.id, made, records)
-    _compare(store, fresh, recording)
-    return applied
-
-
-def _apply_all(
-    fresh: LabelStore,
-    sequence: str,
-    made: Mapping[str, tuple[EditInfo, Changes]],
-    records: Sequence[Record],
-) -> int:
-    """Apply the edits of the records; raises DifferenceError if the two disagree on them."""
-    missing = {
-        key for key, (edit, _) in made.items() if edit.kind not in ("undo", "redo", "import")
-    }
+    """Apply the edits of the records; raises ConflictError if they are not those of the labels."""
+    sequence = recording.manifest.id
+    fresh.recordings.register(sequence, recording.manifest.points)
+    for label in store.palette(sequence):
+        fresh.create_label(sequence, "import", name=label.name, id=label.id, color=label.color)
+    made = {edit.id.lower(): (edit, changes) for edit, changes in store.changes(sequence)}
+    missing = [key for key in made if made[key][0].kind not in ("undo", "redo", "import")]
     applied = 0
     for record in records:
         kind, key = record["kind"], record.get("id", "").lower()
-        try:
-            if kind == "stroke" and key in made:
-                if key not in missing:
-                    raise DifferenceError(f"the log has edit {key} twice")
-                missing.discard(key)
-                edit, changes = made[key]
-                fresh.apply(
-                    sequence, edit_id=edit.id, author=WHO, kind=edit.kind,
-                    writes=_writes(changes), summary=edit.summary,
-                )  # fmt: skip
-            elif kind == "undo":
-                fresh.undo(sequence, WHO)
-            elif kind == "redo":
-                fresh.redo(sequence, WHO)
-            else:
-                continue
-        except ConflictError as error:
-            raise DifferenceError(f"{kind} at {record['t'] / 1000:.1f} s: {error}") from None
+        if kind == "stroke" and key in made:
+            if key not in missing:
+                raise ConflictError(f"the log has edit {key} twice")
+            missing.remove(key)
+            edit, changes = made[key]
+            fresh.apply(
+                sequence, edit_id=edit.id, author=WHO, kind=edit.kind, writes=_writes(changes),
+                summary=edit.summary,
+            )  # fmt: skip
+        elif kind in ("undo", "redo"):
+            try:
+                (fresh.undo if kind == "undo" else fresh.redo)(sequence, WHO)
+            except ConflictError as error:
+                raise ConflictError(f"{kind} at {record['t'] / 1000:.1f} s: {error}") from None
+        else:
+            continue
         applied += 1
     if missing:
-        first = min((made[key][0] for key in missing), key=lambda edit: edit.revision)
-        raise DifferenceError(f"the log has no record of edit {first.id} ({first.summary})")
+        edit = made[missing[0]][0]
+        raise ConflictError(f"the log has no record of edit {edit.id} ({edit.summary})")
     return applied
 
 
@@ -131,7 +108,7 @@ def _compare(store: WorkspaceStore, fresh: LabelStore, recording: Recording) -> 
             if len(differs):
                 first = int(recording[frame].source_index[differs].min())
                 at = differs[recording[frame].source_index[differs].argmin()]
-                raise DifferenceError(
+                raise ConflictError(
                     f"frame {frame}, point {first}: the {layer} is {own[at]}, the log leads to "
                     f"{other[at]} ({len(differs):,} points differ in this frame)"
                 )

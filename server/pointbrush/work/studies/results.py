@@ -15,8 +15,8 @@ from pointbrush.teamwork.studies import FinishedStep, Record, Session
 from pointbrush.values.study import FileKind, LogRecord, Study
 from pointbrush.work.library import Library
 from pointbrush.work.studies.design import PlannedStep, plan, score
-from pointbrush.work.studies.measures import LIMBS, Task, by_step, measures, times_of
-from pointbrush.work.studies.overlap import Overlap, Point, curve_of, ids_of, truth_of
+from pointbrush.work.studies.measures import LIMBS, by_step, measures, times_of
+from pointbrush.work.studies.overlap import Point, curve_of, ids_of, truth_of
 
 Row = dict[str, Any]
 AXES = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -37,10 +37,12 @@ def task_results(
             duration = min(duration, step.task.time_limit_s or duration)
             edits, log = [*store.changes(copies[number])], records.get(number, [])
             lines = [line for line, _ in edits if line.kind != "import"]
-            overlap = Overlap(truth_of(store, library, step.task), ids_of(store, step.task))
-            curve = [*curve_of(edits, times_of(lines, log), overlap)]
+            truth, labels = truth_of(store, library, step.task), ids_of(store, step.task)
+            times = times_of(lines, log)
+            curve = [*curve_of(edits, times, truth, labels)]
+            strokes = sum(1 for each in lines if each.id in times and each.target is None)
             named = _named(session, step)
-            row = named | measures(Task(duration, log, lines, curve))
+            row = named | measures(duration, log, strokes, curve)
             yield row | scores.get(named["condition"], {}) | scores[""], curve
 
 
