@@ -558,7 +558,7 @@ print([(each.id, each.info.done, each.info.participants) for each in client.stud
 study = client.studies["brush-or-object-tool"]
 
 # Study.change
-mine.change(text=study.info.text.replace("design: within", "design: between"))
+mine.change(study.info.text.replace("design: within", "design: between"))
 
 # Study.add_participants
 ada, lin = study.add_participants(2)

@@ -16,7 +16,6 @@ from pointbrush.values.study import (
     SessionStep,
     StudyInfo,
 )
-from pointbrush.values.study import Study as Design
 
 
 class Study(Part[L]):
@@ -33,9 +32,9 @@ class Study(Part[L]):
         return f"Study({self.id!r}, {self.info.participants} participants)"
 
     @steps
-    def change(self, study: Design | None = None, *, text: str | None = None) -> Steps[StudyInfo]:
-        """Replace the study by a value or a YAML text; raises ConflictError with participants."""
-        return self._change(StudyInfo, "PUT", "", NewStudy(study=study, text=text))
+    def change(self, text: str) -> Steps[StudyInfo]:
+        """Replace the study by one in YAML; raises ConflictError with participants."""
+        return self._change(StudyInfo, "PUT", "", NewStudy(text=text))
 
     @steps
     def delete(self) -> Steps[None]:
@@ -110,10 +109,9 @@ class Studies(Part[L]):
 
     @steps
     def create(
-        self, study: Design | None = None, *, id: str | None = None, text: str | None = None,
-        template: str | None = None,
-    ) -> Steps[Study[L]]:  # fmt: skip
-        """Create a study from a value, from YAML, or from a template of the package."""
-        body = NewStudy(id=id, study=study, text=text, template=template)
+        self, *, id: str | None = None, text: str = "", template: str = ""
+    ) -> Steps[Study[L]]:
+        """Create a study from YAML, or from a template of the package."""
+        body = NewStudy(id=id, text=text, template=template)
         made = yield from self._change(StudyInfo, "POST", "/studies", body, idempotent=False)
         return Study(self._link, made)

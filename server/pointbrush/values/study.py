@@ -166,16 +166,14 @@ class Study(Body, Complete):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewStudy(Body):
-    """A study to be created or to replace one: a value, the text of its file, or a template."""
+    """A study to be created or to replace one: the text of its file, or a template."""
 
     id: SequenceName | None = None
     """Name in URLs of a new study; null: derived from the title."""
-    study: Study | None = None
-    """The study; or ``text``, or ``template``."""
-    text: Annotated[str, Rule(max_length=LONGEST_YAML)] | None = None
-    """The study as YAML."""
-    template: Annotated[str, Rule(max_length=64)] | None = None
-    """Name of a study of the package: ``desk-or-headset`` or ``brush-or-object-tool``."""
+    text: Annotated[str, Rule(max_length=LONGEST_YAML)] = ""
+    """The study as YAML, of which JSON is a part."""
+    template: Annotated[str, Rule(max_length=64)] = ""
+    """Study of the package instead: ``desk-or-headset`` or ``brush-or-object-tool``."""
 
 
 @dataclass(frozen=True, slots=True)

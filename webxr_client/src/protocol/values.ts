@@ -969,16 +969,14 @@ export interface NewParticipant {
   readonly link: string;
 }
 
-/** A study to be created or to replace one: a value, the text of its file, or a template. */
+/** A study to be created or to replace one: the text of its file, or a template. */
 export interface NewStudy {
   /** Name in URLs of a new study; null: derived from the title. */
   readonly id?: string | null;
-  /** The study; or ``text``, or ``template``. */
-  readonly study?: Study | null;
-  /** The study as YAML. */
-  readonly text?: string | null;
-  /** Name of a study of the package: ``desk-or-headset`` or ``brush-or-object-tool``. */
-  readonly template?: string | null;
+  /** The study as YAML, of which JSON is a part. */
+  readonly text?: string;
+  /** Study of the package instead: ``desk-or-headset`` or ``brush-or-object-tool``. */
+  readonly template?: string;
 }
 
 /** Tasks to create. */

@@ -50,7 +50,7 @@ def list_studies(workspace: Ws) -> list[StudyInfo]:
 
 @router.post("/studies", status_code=201, **needs("manager", 404, 409, 413))
 def create_study(body: NewStudy, response: Response, workspace: Ws) -> StudyInfo:
-    """Create a study from a value, a text or a template.
+    """Create a study from a text or a template.
 
     Samples that its tasks name are generated, which takes about a second for each frame.
     """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
@@ -51,14 +50,6 @@ class StudyFiles:
         return self._folder / f"{study}{ENDING}"
 
 
-def template(name: str) -> str:
-    """Return the file of a study of the package; raises BadInputError for an unknown name."""
-    known = sorted(each.stem for each in TEMPLATES.glob(f"*{ENDING}"))
-    if name not in known:
-        raise BadInputError(f"template: expected one of {', '.join(known)}, got {name!r}")
-    return (TEMPLATES / f"{name}{ENDING}").read_text(encoding="utf-8")
-
-
 def parse(text: str, name: str = "study") -> Study:
     """Return the study that a YAML text describes; raises BadInputError with the place of a fault.
 
@@ -80,12 +71,3 @@ def parse(text: str, name: str = "study") -> Study:
         first = error.errors(include_url=False)[0]
         place = "".join(f"{part}: " for part in first["loc"])
         raise BadInputError(f"{name}: {place}{first['msg']}") from None
-
-
-def to_text(study: Study) -> str:
-    """Return a study as YAML."""
-    import yaml
-
-    plain = json.loads(json.dumps(study.to_json()))
-    text: str = yaml.safe_dump(plain, sort_keys=False, allow_unicode=True, width=100)
-    return text

@@ -20,7 +20,7 @@ from pointbrush.values.study import (
 )
 from pointbrush.work.library import Library
 from pointbrush.work.studies.design import conditions_of, plan
-from pointbrush.work.studies.files import StudyFiles, parse, template, to_text
+from pointbrush.work.studies.files import TEMPLATES, StudyFiles, parse
 from pointbrush.work.studies.measures import by_step
 from pointbrush.work.studies.recordings import require_task
 from pointbrush.work.studies.sessions import Sessions
@@ -87,12 +87,7 @@ class Studies:
         self._files.remove(study)
 
     def _checked(self, new: NewStudy) -> tuple[Study, str]:
-        given = [each for each in (new.study, new.text, new.template) if each is not None]
-        if len(given) != 1:
-            raise BadInputError("study: expected one of a study, a text and a template")
-        text = new.text
-        if text is None:
-            text = to_text(new.study) if new.study else template(new.template or "")
+        text = StudyFiles(TEMPLATES).text(new.template) if new.template else new.text
         found = parse(text)
         for names in (found.conditions, found.tasks, found.questionnaires):
             if len({each.name for each in names}) < len(names):
