@@ -12,7 +12,7 @@ from scipy import stats
 
 from pointbrush.values.study import Condition, Study, StudyTask
 from pointbrush.work.studies.design import conditions_of, latin_row
-from pointbrush.work.studies.measures import shares
+from pointbrush.work.studies.results import shares
 from pointbrush.work.studies.statistics import effects
 from tests.test_docs import ROOT
 

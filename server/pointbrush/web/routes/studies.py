@@ -177,22 +177,22 @@ def enter_study(
 ) -> StudyStep:
     """Exchange a code for the page's cookie, which opens the participant's copies alone."""
     set_cookie(request, response, gate.participant_cookie(code, request))
-    return workspace.studies.sessions.step(account)
+    return workspace.studies.step(account)
 
 
 @participant_router.get("/study/{code}/step", responses=_ERRORS)
 def get_step(account: Account, workspace: Ws) -> StudyStep:
     """Return the current step."""
-    return workspace.studies.sessions.step(account)
+    return workspace.studies.step(account)
 
 
 @participant_router.post("/study/{code}/step", responses=_ERRORS)
 def finish_step(body: StepDone, account: Account, workspace: Ws) -> StudyStep:
     """End a step and return the next one; the call can be repeated."""
-    return workspace.studies.sessions.finish(account, body)
+    return workspace.studies.finish(account, body)
 
 
 @participant_router.post("/study/{code}/log", responses=_ERRORS)
 def append_log(body: LogRecords, account: Account, workspace: Ws) -> LogPosition:
     """Append records to the log, numbered without gaps; the call can be repeated."""
-    return workspace.studies.sessions.append(account, body)
+    return workspace.studies.append(account, body)

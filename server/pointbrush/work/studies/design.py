@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.errors import ConflictError
+from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.values.study import (
     Condition,
     QuestionItem,
@@ -44,13 +44,14 @@ TLX_STEPS = 21
 
 @dataclass(frozen=True, slots=True)
 class PlannedStep:
-    """A step; ``copy``: number of the step whose copy of the recording it shows."""
+    """A step; ``copy``: number of the step whose copy of the recording it shows, -1: none."""
 
     kind: StepKind
+    text: str = ""
     condition: Condition | None = None
     task: StudyTask | None = None
     questionnaire: Questionnaire | None = None
-    copy: int | None = None
+    copy: int = -1
 
 
 def conditions_of(study: Study, number: int) -> tuple[str, ...]:
@@ -87,20 +88,24 @@ def plan(study: Study, conditions: Sequence[str]) -> list[PlannedStep]:
     unknown = [name for name in conditions if name not in known]
     if unknown:
         raise ConflictError(f"conditions: the study no longer has {unknown[0]!r}")
-    steps = [PlannedStep("consent")] if study.consent else []
+    steps = [PlannedStep("consent", study.consent)] if study.consent else []
     for condition in map(known.__getitem__, conditions):
-        steps.append(PlannedStep("instructions", condition))
+        steps.append(PlannedStep("instructions", condition.instructions, condition))
         for task in sorted(study.tasks, key=lambda each: not each.practice):
-            steps.append(PlannedStep("instructions", condition, task, copy=len(steps) + 1))
-            kind: StepKind = "practice" if task.practice else "task"
-            steps.append(PlannedStep(kind, condition, task, copy=len(steps)))
+            shown = PlannedStep("instructions", task.instructions, condition, task)
+            steps.append(replace(shown, copy=len(steps) + 1))
+            steps.append(replace(steps[-1], kind="practice" if task.practice else "task"))
         steps += _questionnaires(study, "condition", condition)
     return [*steps, *_questionnaires(study, "study", None), PlannedStep("done")]
 
 
 def _questionnaires(study: Study, after: str, condition: Condition | None) -> list[PlannedStep]:
     return [
-        PlannedStep("questionnaire", condition, questionnaire=replace(each, items=items_of(each)))
+        PlannedStep(
+            "questionnaire",
+            condition=condition,
+            questionnaire=replace(each, items=items_of(each)),
+        )
         for each in study.questionnaires
         if each.after == after
     ]
@@ -121,6 +126,16 @@ def items_of(questionnaire: Questionnaire) -> tuple[QuestionItem, ...]:
             QuestionItem(text=text, low=low, high=high, steps=TLX_STEPS) for text, low, high in TLX
         )
     return ()
+
+
+def require_answers(step: PlannedStep, answers: Sequence[int]) -> None:
+    """Raise BadInputError unless the answers are those of all items of a step."""
+    items = step.questionnaire.items if step.questionnaire else ()
+    if len(answers) != len(items):
+        raise BadInputError(f"answers: expected {len(items)}, got {len(answers)}")
+    for number, (item, answer) in enumerate(zip(items, answers, strict=True), 1):
+        if answer > item.steps:
+            raise BadInputError(f"answers: expected 1 to {item.steps} for item {number}")
 
 
 def score(items: Sequence[QuestionItem], answers: Sequence[int]) -> float:

@@ -1,38 +1,53 @@
-"""The service for studies: their files, participants and results."""
+"""The service for studies: their files, the sessions of participants, and results."""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Session
+from pointbrush.values.kinds import time_of
 from pointbrush.values.study import (
     FileKind,
+    LogPosition,
+    LogRecords,
     NewStudy,
     Participant,
+    ParticipantState,
     Replay,
     SessionStep,
+    StepDone,
     Study,
     StudyInfo,
+    StudyStep,
+    StudyTask,
 )
 from pointbrush.work.library import Library
-from pointbrush.work.studies.design import conditions_of, plan
+from pointbrush.work.studies.design import PlannedStep, conditions_of, plan, require_answers
 from pointbrush.work.studies.files import TEMPLATES, StudyFiles, parse
-from pointbrush.work.studies.measures import by_step
-from pointbrush.work.studies.recordings import require_task
-from pointbrush.work.studies.sessions import Sessions
+from pointbrush.work.studies.overlap import Overlap, Point, frames_of, ids_of, shown, truth_of
+from pointbrush.work.studies.recordings import copy_for, require_task
+from pointbrush.work.studies.replaying import replay
+from pointbrush.work.studies.report import to_html
+from pointbrush.work.studies.results import (
+    Row,
+    by_step,
+    curve_rows,
+    encode,
+    log_rows,
+    task_results,
+)
 from pointbrush.work.trash import ids_for
-
-if TYPE_CHECKING:
-    from pointbrush.work.studies.overlap import Point
-    from pointbrush.work.studies.results import Row
 
 
 class Studies:
-    """The studies of a workspace; thread-safe."""
+    """The studies of a workspace; thread-safe.
+
+    ``key`` is the number or code of a participant, ``account`` that of the participant who calls.
+    """
 
     def __init__(
         self,
@@ -43,8 +58,8 @@ class Studies:
     ) -> None:
         """``erase``: removes a recording with its labels for ever."""
         self._store, self._library, self._erase = store, library, erase
-        self._files = StudyFiles(folder)
-        self.sessions = Sessions(store, library, self._files)
+        self._rows, self._files = store.studies, StudyFiles(folder)
+        self._copying = threading.Lock()
 
     def all(self) -> list[StudyInfo]:
         """Return all studies by id; raises BadInputError for an invalid file."""
@@ -54,8 +69,8 @@ class Studies:
         """Return a study; raises NotFoundError, BadInputError for an invalid file."""
         text = self._files.text(study)
         found = parse(text, study)
-        sessions = self._store.studies.all(study)
-        done = sum(1 for each in sessions if each.step >= len(plan(found, each.conditions)) - 1)
+        sessions = self._rows.all(study)
+        done = sum(1 for each in sessions if _step_of(found, each).kind == "done")
         return StudyInfo(study, found, text, len(sessions), done)
 
     def create(self, new: NewStudy) -> StudyInfo:
@@ -74,7 +89,7 @@ class Studies:
     def change(self, study: str, change: NewStudy) -> StudyInfo:
         """Replace a study without participants; raises ConflictError, BadInputError."""
         self._files.text(study)
-        if self._store.studies.all(study):
+        if self._rows.all(study):
             raise ConflictError("study: expected one without participants, delete them first")
         self._files.write(study, self._checked(change)[1])
         return self.get(study)
@@ -82,7 +97,7 @@ class Studies:
     def remove(self, study: str) -> None:
         """Remove a study and every trace of its participants."""
         self._files.text(study)
-        for session in self._store.studies.all(study):
+        for session in self._rows.all(study):
             self._erase_session(session)
         self._files.remove(study)
 
@@ -96,44 +111,136 @@ class Studies:
             require_task(self._store, self._library, task)
         return found, text
 
-    # ── participants ─────────────────────────────────────────────────────────────────────
+    # ── participants, for the experimenter ───────────────────────────────────────────────
 
     def participants(self, study: str) -> list[Participant]:
         """Return the participants of a study by number."""
-        self._files.text(study)
-        return [self.sessions.overview(each) for each in self._store.studies.all(study)]
+        design = self._files.read(study)
+        return [self._overview(design, each) for each in self._rows.all(study)]
 
     def add(self, study: str, count: int) -> list[tuple[Participant, str]]:
         """Add participants; return them with their codes, which are not stored."""
         design = self._files.read(study)
         made = [
-            self._store.studies.add(study, lambda number: conditions_of(design, number))
+            self._rows.add(study, lambda number: conditions_of(design, number))
             for _ in range(count)
         ]
-        return [(self.sessions.overview(session), code) for session, code in made]
+        return [(self._overview(design, session), code) for session, code in made]
 
     def pause(self, study: str, key: str, *, paused: bool) -> Participant:
-        """Pause or continue the session of a participant, by number or code."""
-        account = self._store.studies.get(study, key).account
-        self._store.studies.pause(account, paused=paused)
-        return self.sessions.overview(self._store.studies.session(account))
+        """Pause or continue the session of a participant."""
+        self._rows.pause(self._rows.get(study, key).account, paused=paused)
+        return self._overview(self._files.read(study), self._rows.get(study, key))
 
     def erase(self, study: str, key: str) -> None:
-        """Remove every trace of a participant, by number or code."""
-        self._erase_session(self._store.studies.get(study, key))
+        """Remove every trace of a participant."""
+        self._erase_session(self._rows.get(study, key))
 
     def _erase_session(self, session: Session) -> None:
-        for sequence in self._store.studies.copies(session).values():
+        for sequence in self._rows.copies(session).values():
             self._erase(sequence)
-        self._store.studies.erase(session.account)
+        self._rows.erase(session.account)
         self._store.team.access.forget()
+
+    def _overview(self, study: Study, session: Session) -> Participant:
+        step = _step_of(study, session)
+        sequence = self._rows.copies(session).get(step.copy)
+        state: ParticipantState = "waiting" if session.began is None else "running"
+        if step.kind == "done":
+            state = "done"
+        elif session.paused is not None:
+            state = "paused"
+        return Participant(
+            number=session.number,
+            conditions=session.conditions,
+            state=state,
+            step=session.step,
+            count=len(plan(study, session.conditions)),
+            kind=step.kind,
+            condition=step.condition.name if step.condition else None,
+            task=step.task.name if step.task else None,
+            sequence=sequence,
+            iou=self._iou(step.task, sequence) if step.task and sequence else None,
+            records=session.records,
+            seen=time_of(session.seen),
+        )
+
+    # ── the session of a participant ─────────────────────────────────────────────────────
+
+    def step(self, account: str) -> StudyStep:
+        """Return the current step of a participant, with a copy of its recording."""
+        session, now = self._rows.see(account)
+        study = self._files.read(session.study)
+        step, elapsed = _step_of(study, session), session.elapsed(now)
+        task, sequence = step.task, self._copy_of(account, step)
+        frames = frames_of(self._library, task) if task else range(0)
+        works = step.kind in ("practice", "task")
+        limit = task.time_limit_s if task and works else None
+        left = None if limit is None else max(0.0, limit - elapsed)
+        reached = left == 0.0
+        if task and sequence and works and task.stop == "iou" and not reached:
+            reached = self._iou(task, sequence) >= task.target_iou
+        return StudyStep(
+            title=study.title,
+            number=session.step,
+            count=len(plan(study, session.conditions)),
+            kind="pause" if session.paused is not None else step.kind,
+            text=step.text,
+            condition=step.condition,
+            task=task,
+            sequence=sequence,
+            start=frames.start,
+            stop=frames.stop,
+            labels=ids_of(self._store, task) if task else (),
+            time_left_s=left,
+            elapsed_s=elapsed,
+            reached=reached,
+            questionnaire=step.questionnaire,
+            records=session.records,
+        )
+
+    def finish(self, account: str, done: StepDone) -> StudyStep:
+        """End a step and return the next one; a repeated call returns the current one.
+
+        Raises BadInputError for answers that are missing or out of range, ConflictError.
+        """
+        session = self._rows.session(account)
+        step = _step_of(self._files.read(session.study), session)
+        if done.number == session.step:
+            if step.kind == "done":
+                raise ConflictError("step: the session is finished")
+            require_answers(step, done.answers)
+        self._rows.finish(account, done.number, done.answers)
+        return self.step(account)
+
+    def append(self, account: str, log: LogRecords) -> LogPosition:
+        """Append records to the log; raises ConflictError for a gap and for other content."""
+        records = [each.to_json() for each in log.records]
+        return LogPosition(self._rows.append(account, log.first, records))
+
+    def _copy_of(self, account: str, step: PlannedStep) -> str | None:
+        """Return the copy that a step shows, which is made if it is missing; None: none."""
+        if step.task is None:
+            return None
+        with self._copying:
+            known = self._rows.copies(self._rows.session(account)).get(step.copy)
+            if known is None:
+                known = copy_for(self._store, self._library, step.task)
+                self._rows.keep_copy(account, step.copy, known)
+                self._store.team.access.forget()
+        return known
+
+    def _iou(self, task: StudyTask, sequence: str) -> float:
+        truth = truth_of(self._store, self._library, task)
+        overlap = Overlap(truth, ids_of(self._store, task))
+        for frame in truth:
+            overlap.put(frame, shown(self._store.values(sequence, frame)))
+        return overlap.iou
 
     # ── results ──────────────────────────────────────────────────────────────────────────
 
     def results(self, study: str, kind: FileKind, *, curves: bool = False) -> bytes:
         """Return the results as a file: a row per task, or the IoU over time."""
-        from pointbrush.work.studies.results import curve_rows, encode  # slow to import
-
         rows = []
         for row, curve in self._results(study, self._files.read(study)):
             rows += curve_rows(row, curve) if curves else [row]
@@ -141,42 +248,32 @@ class Studies:
 
     def report(self, study: str) -> str:
         """Return the report of a study as HTML."""
-        from pointbrush.work.studies.report import to_html
-
         design = self._files.read(study)
         return to_html(design, [*self._results(study, design)])
 
     def _results(self, study: str, design: Study) -> Iterator[tuple[Row, list[Point]]]:
-        from pointbrush.work.studies.results import task_results
-
-        return task_results(self._store, self._library, design, self._store.studies.all(study))
+        return task_results(self._store, self._library, design, self._rows.all(study))
 
     def log(self, study: str, key: str, kind: FileKind) -> bytes:
         """Return the log of a participant as a file; as JSON, records as they were sent."""
-        from pointbrush.work.studies.results import encode, log_rows
-
-        session = self._store.studies.get(study, key)
-        log = self._store.studies.log(session.account)
-        return encode(
-            log if kind == "json" else log_rows(self._files.read(study), session, log), kind
-        )
+        session = self._rows.get(study, key)
+        log = self._rows.log(session.account)
+        rows = log if kind == "json" else log_rows(self._files.read(study), session, log)
+        return encode(rows, kind)
 
     def steps(self, study: str, key: str) -> list[SessionStep]:
         """Return the steps of a participant that have a recording, by number."""
-        session = self._store.studies.get(study, key)
+        session = self._rows.get(study, key)
         steps = plan(self._files.read(study), session.conditions)
         return [
             SessionStep(number, step.kind, step.condition.name, step.task.name, sequence)
-            for number, sequence in sorted(self._store.studies.copies(session).items())
+            for number, sequence in sorted(self._rows.copies(session).items())
             if (step := steps[number]).condition and step.task
         ]
 
     def replay(self, study: str, key: str) -> Replay:
         """Compare the labels of a participant with those that their log leads to."""
-        from pointbrush.work.studies.replaying import replay
-
-        session = self._store.studies.get(study, key)
-        records = by_step(self._store.studies.log(session.account))
+        records = by_step(self._rows.log(self._rows.get(study, key).account))
         copies = {
             f"{step.condition}, {step.task}": (
                 self._library.recording(step.sequence), records.get(step.number, [])
@@ -184,3 +281,9 @@ class Studies:
             for step in self.steps(study, key)
         }  # fmt: skip
         return replay(self._store, copies)
+
+
+def _step_of(study: Study, session: Session) -> PlannedStep:
+    """Return the current step of a session."""
+    steps = plan(study, session.conditions)
+    return steps[min(session.step, len(steps) - 1)]
