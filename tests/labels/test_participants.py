@@ -22,7 +22,7 @@ def test_a_restored_database_has_the_participants(url: str, tmp_path: Path) -> N
     with closing(WorkspaceStore(url)) as store:
         session, code = store.studies.add("halves", lambda number: [f"way {number}"])
         store.studies.append(session.account, 0, RECORDS)
-        store.studies.see(session.account)
+        store.studies.begin(session.account)
         store.studies.finish(session.account, 0, [3, 1])
         kept = store.studies.session(session.account), store.studies.log(session.account)
         back_up(store.database, tmp_path / "backup.sqlite")

@@ -30,7 +30,6 @@ study_participants = Table(
     Column("paused", Double),  # time at which the running pause began, or NULL
     Column("paused_s", Double, nullable=False),  # seconds of earlier pauses of the current step
     Column("records", Integer, nullable=False),  # number of the next record of the log
-    Column("seen", Double),  # time of the last call, or NULL
     UniqueConstraint("study", "number"),
 )
 

@@ -49,7 +49,6 @@ class Session:
     paused: float | None
     paused_s: float
     records: int
-    seen: float | None
 
     @property
     def step(self) -> int:
@@ -113,11 +112,11 @@ class Studies:
         with self._database.read() as connection:
             return _session(connection, account)
 
-    def see(self, account: str) -> tuple[Session, float]:
-        """Note a call of the participant; return the session and the time of the call."""
+    def begin(self, account: str) -> tuple[Session, float]:
+        """Begin the session unless it has begun; return it and the time."""
         with self._database.write() as connection:
             now = self._database.now(connection)
-            _change(connection, account, seen=now, began=func.coalesce(_COLUMNS.began, now))
+            _change(connection, account, began=func.coalesce(_COLUMNS.began, now))
             return _session(connection, account), now
 
     def finish(self, account: str, step: int, answers: Sequence[int]) -> None:
@@ -135,7 +134,7 @@ class Studies:
                 raise ConflictError("step: the experimenter has paused the session")
             ended = FinishedStep(session.began or now, now, session.paused_s, [*answers])
             done = json.dumps([*session.finished, ended])
-            _change(connection, account, finished=done, began=now, paused_s=0.0, seen=now)
+            _change(connection, account, finished=done, began=now, paused_s=0.0)
 
     def pause(self, account: str, *, paused: bool) -> None:
         """Pause a session, or continue it; a repeated call has no effect."""
@@ -194,7 +193,7 @@ class Studies:
                 row = {"participant": account, "first": end, "records": packed}
                 now = self._database.now(connection)
                 connection.execute(insert(study_log), row | {"received": now})
-                _change(connection, account, records=following, seen=now)
+                _change(connection, account, records=following)
             return following
 
     def log(self, account: str) -> list[Record]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Annotated, Literal
 
 from pointbrush.values.base import Body, Complete, Meanings, Rule, Value
@@ -208,8 +207,6 @@ class Participant(Value):
     """Number of steps."""
     kind: StepKind
     """Kind of the current step."""
-    condition: str | None
-    """Condition of the current step; null: none."""
     task: str | None
     """Task of the current step; null: none."""
     sequence: str | None
@@ -218,8 +215,6 @@ class Participant(Value):
     """Mean IoU of the labels of the current task; null: no task."""
     records: int
     """Number of records in the log."""
-    seen: datetime | None
-    """Time of the last call of the participant; null: none yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,8 +287,6 @@ class SessionStep(Value):
 
     number: int
     """Number of the step, from 0."""
-    kind: StepKind
-    """Kind of the step."""
     condition: str
     """Condition of the step."""
     task: str

@@ -951,8 +951,6 @@ export interface NewParticipant {
   readonly count: number;
   /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
-  /** Condition of the current step; null: none. */
-  readonly condition: string | null;
   /** Task of the current step; null: none. */
   readonly task: string | null;
   /** Id of the copy that the current step shows, to follow the session; null: none. */
@@ -961,8 +959,6 @@ export interface NewParticipant {
   readonly iou: number | null;
   /** Number of records in the log. */
   readonly records: number;
-  /** Time of the last call of the participant; null: none yet. */
-  readonly seen: string | null;
   /** Secret code, which is shown once. */
   readonly code: string;
   /** Address to open, with the code. */
@@ -1063,8 +1059,6 @@ export interface Participant {
   readonly count: number;
   /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
-  /** Condition of the current step; null: none. */
-  readonly condition: string | null;
   /** Task of the current step; null: none. */
   readonly task: string | null;
   /** Id of the copy that the current step shows, to follow the session; null: none. */
@@ -1073,8 +1067,6 @@ export interface Participant {
   readonly iou: number | null;
   /** Number of records in the log. */
   readonly records: number;
-  /** Time of the last call of the participant; null: none yet. */
-  readonly seen: string | null;
 }
 
 /** One line of the history. */
@@ -1337,8 +1329,6 @@ export interface Sensor {
 export interface SessionStep {
   /** Number of the step, from 0. */
   readonly number: number;
-  /** Kind of the step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
-  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Condition of the step. */
   readonly condition: string;
   /** Task of the step. */

@@ -9,7 +9,6 @@ from pathlib import Path
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Session
-from pointbrush.values.kinds import time_of
 from pointbrush.values.study import (
     FileKind,
     LogPosition,
@@ -157,19 +156,17 @@ class Studies:
             step=session.step,
             count=len(plan(study, session.conditions)),
             kind=step.kind,
-            condition=step.condition.name if step.condition else None,
             task=step.task.name if step.task else None,
             sequence=sequence,
             iou=self._iou(step.task, sequence) if step.task and sequence else None,
             records=session.records,
-            seen=time_of(session.seen),
         )
 
     # ── the session of a participant ─────────────────────────────────────────────────────
 
     def step(self, account: str) -> StudyStep:
         """Return the current step of a participant, with a copy of its recording."""
-        session, now = self._rows.see(account)
+        session, now = self._rows.begin(account)
         study = self._files.read(session.study)
         step, elapsed = _step_of(study, session), session.elapsed(now)
         task, sequence = step.task, self._copy_of(account, step)
@@ -266,7 +263,7 @@ class Studies:
         session = self._rows.get(study, key)
         steps = plan(self._files.read(study), session.conditions)
         return [
-            SessionStep(number, step.kind, step.condition.name, step.task.name, sequence)
+            SessionStep(number, step.condition.name, step.task.name, sequence)
             for number, sequence in sorted(self._rows.copies(session).items())
             if (step := steps[number]).condition and step.task
         ]

@@ -21,7 +21,6 @@ def upgrade() -> None:
         sa.Column("paused", sa.Double),
         sa.Column("paused_s", sa.Double, nullable=False),
         sa.Column("records", sa.Integer, nullable=False),
-        sa.Column("seen", sa.Double),
         sa.UniqueConstraint("study", "number"),
     )
     account = sa.ForeignKey("study_participants.account")
