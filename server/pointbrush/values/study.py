@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pointbrush.values.base import Body, Complete, Meanings, Rule, Value
-from pointbrush.values.kinds import FrameRange, Name, SequenceName, Share
+from pointbrush.values.base import Body, Complete, Rule, Value
+from pointbrush.values.kinds import FrameRange, LabelId, Name, SequenceName, Share
 
 MOST_RECORDS = 1_000
 """Records of one call: half a minute of poses at 30 Hz."""
@@ -32,25 +32,18 @@ Number = Annotated[float, Rule(ge=-1e12, le=1e12, allow_inf_nan=False)]
 Pose = Annotated[tuple[Number, ...], Rule(min_length=7, max_length=7)]
 """Position (metres) and quaternion (x, y, z, w) in the coordinates of the recording."""
 
-FileKind = Annotated[
-    Literal["csv", "parquet", "json"],
-    Meanings({"csv": "text", "parquet": "columns with types", "json": "a list of objects"}),
+Count = Annotated[int, Rule(ge=0, lt=2**31)]
+Millis = Annotated[float, Rule(ge=0, le=1e9, allow_inf_nan=False)]
+Properties = Annotated[
+    Mapping[Annotated[str, Rule(max_length=64)], Annotated[str, Rule(max_length=300)]],
+    Rule(max_length=32),
 ]
+
+FileKind = Literal["csv", "parquet", "json"]
 Phase = Literal["navigation", "painting", "waiting"]
-StepKind = Annotated[
-    Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"],
-    Meanings(
-        {
-            "consent": "the text to agree to",
-            "instructions": "the condition begins",
-            "practice": "a task that is not measured",
-            "task": "a task that is measured",
-            "questionnaire": "items to answer",
-            "pause": "the experimenter has paused the session",
-            "done": "the session is finished",
-        }
-    ),
-]
+StepKind = Literal[
+    "consent", "instructions", "practice", "task", "questionnaire", "pause", "done"
+]  # fmt: skip
 RecordKind = Literal[
     "stroke", "click", "undo", "redo", "level", "label", "playback", "pose", "frame_time",
     "device", "phase",
@@ -254,7 +247,8 @@ class StudyStep(Value):
     count: int
     """Number of steps."""
     kind: StepKind
-    """Kind of the step."""
+    """`consent` to agree to, `instructions` of a condition or task, `practice` (not measured),
+    `task`, `questionnaire`, `pause` by the experimenter, or `done`."""
     text: str
     """Text to show: of the consent, the condition or the task."""
     condition: Condition | None
@@ -299,7 +293,7 @@ class SessionStep(Value):
 class StepDone(Body):
     """The end of a step; a repeated call has no effect."""
 
-    number: Annotated[int, Rule(ge=0, lt=100_000)]
+    number: Count
     """Number of the step."""
     answers: Annotated[tuple[Annotated[int, Rule(ge=1, le=101)], ...], Rule(max_length=100)] = ()
     """Answers to the items of a questionnaire, each 1 to its ``steps``."""
@@ -315,9 +309,9 @@ class LogRecord(Body):
     candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it
     leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second;
     `device` (``profile``), once a session; `phase` that begins."""
-    step: Annotated[int, Rule(ge=0, lt=100_000)]
+    step: Count
     """Number of the step in which it was made."""
-    t: Annotated[float, Rule(ge=0, le=1e9, allow_inf_nan=False)]
+    t: Millis
     """Milliseconds since the step began, by the page's monotonic clock."""
     id: Annotated[str, Rule(max_length=36, pattern=r"^[0-9a-fA-F-]*$")] = ""
     """UUID of a stroke, which is that of its edit."""
@@ -325,11 +319,11 @@ class LogRecord(Body):
     """Tool of a stroke: paint, erase, delete or restore."""
     shape: Token = ""
     """Shape of a stroke, or ``positive`` and ``negative`` of a click."""
-    label: Annotated[int, Rule(ge=0, le=65534)] | None = None
+    label: LabelId | None = None
     """Id of the label."""
-    level: Annotated[int, Rule(ge=0, le=1000)] | None = None
+    level: Count | None = None
     """Level of the object tool."""
-    frame: Annotated[int, Rule(ge=0, lt=2**31)] | None = None
+    frame: Count | None = None
     """Frame of the recording."""
     action: Token = ""
     """Action of playback."""
@@ -342,19 +336,13 @@ class LogRecord(Body):
     """Pose of the left hand or controller."""
     right: Pose | None = None
     """Pose of the right hand or controller."""
-    mean_ms: Annotated[float, Rule(ge=0, le=1e6, allow_inf_nan=False)] | None = None
+    mean_ms: Millis | None = None
     """Mean time of a picture in the last second, milliseconds."""
-    p95_ms: Annotated[float, Rule(ge=0, le=1e6, allow_inf_nan=False)] | None = None
+    p95_ms: Millis | None = None
     """Time that 95% of the last second's pictures kept, milliseconds."""
-    dropped: Annotated[int, Rule(ge=0, le=10_000)] | None = None
+    dropped: Count | None = None
     """Pictures of the last second that were late by more than half a period."""
-    profile: (
-        Annotated[
-            Mapping[Annotated[str, Rule(max_length=64)], Annotated[str, Rule(max_length=300)]],
-            Rule(max_length=32),
-        ]
-        | None
-    ) = None
+    profile: Properties | None = None
     """Properties of the device, such as ``agent``, ``gpu``, ``controllers``, ``rate``."""
 
 

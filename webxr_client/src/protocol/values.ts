@@ -949,7 +949,7 @@ export interface NewParticipant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  /** Kind of the current step. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -1057,7 +1057,7 @@ export interface Participant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  /** Kind of the current step. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -1449,7 +1449,7 @@ export interface StudyStep {
   readonly number: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the step. `consent`: the text to agree to; `instructions`: the condition begins; `practice`: a task that is not measured; `task`: a task that is measured; `questionnaire`: items to answer; `pause`: the experimenter has paused the session; `done`: the session is finished */
+  /** `consent` to agree to, `instructions` of a condition or task, `practice` (not measured), `task`, `questionnaire`, `pause` by the experimenter, or `done`. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Text to show: of the consent, the condition or the task. */
   readonly text: string;
