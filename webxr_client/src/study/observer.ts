@@ -1,12 +1,12 @@
 /** Observes a task: strokes, clicks, undo, levels, labels, playback, poses, times, and phases. */
-import { Matrix4 } from 'three';
+import { Matrix4, type Quaternion, type Vector3 } from 'three';
 import type { Engine } from '../engine/engine';
 import type { ClientMessage } from '../protocol/messages';
 import type { LogRecord } from '../protocol/values';
-import { state } from '../store/state';
+import { type Pose, state } from '../store/state';
 import { peek, watch } from '../store/watch';
 import type { Headset } from '../xr/headset';
-import { SourcePoses } from './places';
+import { movedPose, sourceFrom } from './places';
 
 /** Milliseconds from one pose to the next: 30 a second. */
 const POSE_MS = 1000 / 30;
@@ -15,12 +15,15 @@ const SECOND_MS = 1000;
 const STILL_MS = 300;
 /** A picture is late from this share of the usual time on. */
 const LATE = 1.5;
+/** Digits of a pose: tenths of a millimetre, and thousandths of a degree. */
+const DIGITS = 5;
+
+const rounded = (value: number): number => Number(value.toFixed(DIGITS));
 
 type Fields = Omit<LogRecord, 'step' | 't'>;
 
 export class Observer {
   private readonly stops: (() => void)[];
-  private readonly poses = new SourcePoses();
   /** Times between the pictures of this second. */
   private intervals: number[] = [];
   private last = NaN;
@@ -127,21 +130,23 @@ export class Observer {
 
   private pose(now: number): void {
     this.posed = now;
-    const { engine, poses } = this;
+    const { engine } = this;
     const { cockpit } = this.headset;
     const { room, camera } = engine.viewer;
-    poses.update(room.matrixWorld, engine.shift());
+    const source = sourceFrom(room.matrixWorld, engine.shift());
+    const of = (place: Vector3, turn: Quaternion): Pose =>
+      movedPose(source, [...place.toArray(), ...turn.toArray()]).map(rounded) as never;
     this.look(now, cockpit ? cockpit.rig.group.matrixWorld : camera.matrixWorld);
     if (cockpit) {
       const { pointers, rig } = cockpit;
       const [left, right] = (['left', 'right'] as const).map((side) => {
         const hand = pointers.of(side);
-        return hand?.tracked ? poses.of(hand.place, hand.turn) : null;
+        return hand?.tracked ? of(hand.place, hand.turn) : null;
       });
-      const head = poses.of(rig.head, rig.turned);
+      const head = of(rig.head, rig.turned);
       this.note({ kind: 'pose', head, left: left ?? null, right: right ?? null });
     } else if (!this.worn)
-      this.note({ kind: 'pose', head: poses.of(camera.position, camera.quaternion) });
+      this.note({ kind: 'pose', head: of(camera.position, camera.quaternion) });
   }
 
   /** Record a change of the phase: painting, moving the view or the room, or neither. */

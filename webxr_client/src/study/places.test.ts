@@ -1,6 +1,6 @@
 import { Euler, Matrix4, Quaternion, Vector3 } from 'three';
 import { expect, it } from 'vitest';
-import { inRoom, SourcePoses } from './places';
+import { movedPose, sourceFrom } from './places';
 
 it('logs a pose that leads back to the same place of the room, however the room was moved', () => {
   const room = new Matrix4().makeRotationX(-Math.PI / 2).setPosition(0, 1.2, 0);
@@ -13,11 +13,13 @@ it('logs a pose that leads back to the same place of the room, however the room 
   const turned = new Quaternion().setFromEuler(new Euler(0.2, -0.4, 0.1));
   const scene = inOwnRoom.clone().applyMatrix4(moved);
   const sceneTurn = new Quaternion().setFromEuler(new Euler(0, 0.7, 0)).multiply(turned);
-  const poses = new SourcePoses();
-  poses.update(moved.clone().multiply(room), [1000, 2000, 30]);
-  const logged = poses.of(scene, sceneTurn);
+  const shift = [1000, 2000, 30] as const;
+  const logged = movedPose(sourceFrom(moved.clone().multiply(room), shift), [
+    ...scene.toArray(),
+    ...sceneTurn.toArray(),
+  ]);
   expect(logged[0]).toBeGreaterThan(999);
-  const back = inRoom(logged, room, [1000, 2000, 30]);
+  const back = movedPose(sourceFrom(room, shift).invert(), logged);
   [...inOwnRoom.toArray(), ...turned.toArray()].forEach((value, i) =>
     expect(back[i]).toBeCloseTo(value, 4),
   );

@@ -7,10 +7,9 @@ import { api, apiBytes } from '../net/rest';
 import type { LogRecord, PastEdit } from '../protocol/values';
 import { actions } from '../store/actions';
 import { type Pose, state } from '../store/state';
-import { inRoom } from './places';
+import { labelsOf } from '../work/shown-copies';
+import { movedPose, sourceFrom } from './places';
 
-/** Place of the length of a .npy file's header, and of the header. */
-const [NPY_LENGTH, NPY_HEADER] = [8, 10];
 /** Most edits of one answer. */
 const MOST_EDITS = 1000;
 const GHOST = { viewer: 'replay', color: LABEL_COLORS[6], label: 0, radius: 0, brush: null };
@@ -92,8 +91,9 @@ export class Replay {
     const pose = newest(time.peek(), ({ kind }) => kind === 'pose');
     if (pose === this.pose) return;
     this.pose = pose;
+    const toRoom = sourceFrom(engine.viewer.room.matrix, engine.shift()).invert();
     const at = (logged: LogRecord['head']): Pose | null =>
-      logged ? inRoom(logged, engine.viewer.room.matrix, engine.shift()) : null;
+      logged ? movedPose(toRoom, logged) : null;
     const hands = [at(pose?.left), at(pose?.right)] as [Pose | null, Pose | null];
     state.people.value = [{ ...GHOST, name, frame, head: at(pose?.head), hands }] as never;
   }
@@ -114,9 +114,7 @@ export class Replay {
     this.fetching = true;
     await attempt('The labels of that time did not load', async () => {
       const path = `sequences/${sequence}/frames/${frame}/annotation?order=stored&revision=${revision}`;
-      const file = await apiBytes('GET', path, undefined, new AbortController().signal);
-      const begin = NPY_HEADER + new DataView(file).getUint16(NPY_LENGTH, true);
-      const values = new Uint16Array(file, begin);
+      const values = labelsOf(await apiBytes('GET', path, undefined, new AbortController().signal));
       const lengths = new Uint32Array(count).fill(1);
       const whole = { base: null, edit: null, provisional: false, first: 0, count };
       this.engine.playback.labels({ sequence, frame, revision, ...whole, lengths, values });

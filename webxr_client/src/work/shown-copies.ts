@@ -15,7 +15,7 @@ const REST = { dark: '#3a3e48', light: '#b4bac5' };
 const OWN = DIFFERENCES.length + 1;
 
 /** Read an array of `numpy.save` of two bytes a value. */
-export function labelsOf(bytes: ArrayBuffer): Uint16Array {
+export function labelsOf(bytes: ArrayBuffer): Uint16Array<ArrayBuffer> {
   const head = new DataView(bytes).getUint16(8, true);
   return new Uint16Array(bytes, 10 + head);
 }
