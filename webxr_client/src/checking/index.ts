@@ -12,7 +12,7 @@ import { Findings, noteActions, Round } from './round';
 export function installCheck(engine: Engine, headset: Headset): void {
   const findings = new Findings();
   noteActions();
-  openRecording();
+  void openRecording();
   const place = document.createElement('div');
   document.body.append(place);
   render(h(CheckPage, { findings }), place);

@@ -4,7 +4,7 @@ import { actions } from '../store/actions';
 import { attempt } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { canEdit, state } from '../store/state';
-import { follow } from '../store/watch';
+import { until } from '../store/watch';
 
 /** Labels that are needed to switch between them. */
 const LABELS = 2;
@@ -15,17 +15,11 @@ export const ready = computed(
 );
 
 /** Open the server's scratch recording; viewers, without edits, open the first recording. */
-export function openRecording(): void {
-  const stop = follow(() => {
-    const sound = state.sequences.value?.filter(({ damaged }) => damaged === null);
-    if (!sound || state.me.value === null) return;
-    queueMicrotask(() => {
-      stop();
-      const [first] = sound;
-      if (canEdit.peek()) void openScratch();
-      else if (first) actions.recordings.openSequence(first.id);
-    });
-  });
+export async function openRecording(): Promise<void> {
+  await until(() => state.sequences.value !== null && state.me.value !== null);
+  const first = state.sequences.peek()?.find(({ damaged }) => damaged === null);
+  if (canEdit.peek()) await openScratch();
+  else if (first) actions.recordings.openSequence(first.id);
 }
 
 async function openScratch(): Promise<void> {

@@ -18,6 +18,18 @@ function read(signal: ReadonlySignal<unknown>): unknown {
   return signal.value;
 }
 
+/** Resolve once signals meet a condition. */
+export function until(isMet: () => boolean): Promise<void> {
+  return new Promise((resolve) => {
+    const stop = follow(() => {
+      if (!isMet()) return;
+      resolve();
+      // An effect cannot stop itself in its first run.
+      queueMicrotask(() => stop());
+    });
+  });
+}
+
 /** Run `changed` now and whenever one of the signals has a new value; the result stops it. */
 export function watch(
   signals: readonly ReadonlySignal<unknown>[],

@@ -1,6 +1,7 @@
 import { expect, it } from 'vitest';
 import { ApiError } from '../net/rest';
 import type { LogPosition, LogRecord, LogRecords } from '../protocol/values';
+import { keptJson } from '../store/kept';
 import { Log } from './log';
 
 const record = (t: number): LogRecord => ({ kind: 'undo', step: 3, t }) as LogRecord;
@@ -26,39 +27,30 @@ class Server {
   };
 }
 
-function browser(): { left: () => LogRecords | null; keep: (records: LogRecords) => void } {
-  let kept = 'null';
-  return {
-    left: () => JSON.parse(kept) as LogRecords | null,
-    keep: (records) => (kept = JSON.stringify(records)),
-  };
-}
-
 it('numbers records without gaps over lost calls, lost answers and a reload', async () => {
   const server = new Server();
-  const storage = browser();
-  const log = new Log(0, { send: server.send, ...storage });
+  const log = new Log(0, 'lost', server.send);
   log.add(record(1));
-  expect(await log.flush()).toBe(true);
+  await log.flush();
   server.faults = ['lost', 'unanswered'];
   log.add(record(2));
-  expect(await log.flush()).toBe(false);
+  await expect(log.flush()).rejects.toThrow('No connection');
   log.add(record(3));
-  expect(await log.flush()).toBe(false);
+  await expect(log.flush()).rejects.toThrow('No connection');
   log.add(record(4));
   log.keep();
   expect(times(server.log)).toEqual([1, 2, 3]);
 
-  const next = new Log(server.log.length, { send: server.send, ...storage });
+  const next = new Log(server.log.length, 'lost', server.send);
   next.add(record(5));
-  expect(await next.flush()).toBe(true);
+  await next.flush();
   expect(times(server.log)).toEqual([1, 2, 3, 4, 5]);
-  expect(storage.left()).toEqual({ first: 5, records: [] });
+  expect(keptJson('lost')).toEqual({ first: 5, records: [] });
 });
 
 it('sends one batch at a time, of the size that the server takes', async () => {
   const server = new Server();
-  const log = new Log(0, { send: server.send, ...browser() });
+  const log = new Log(0, 'batches', server.send);
   for (let t = 0; t < 2500; t++) log.add(record(t));
   await Promise.all([log.flush(), log.flush()]);
   expect(server.calls).toEqual([1000, 1000, 500]);
@@ -67,9 +59,8 @@ it('sends one batch at a time, of the size that the server takes', async () => {
 
 it('reports records that the server refuses, and keeps them', async () => {
   const server = new Server();
-  const storage = browser();
-  const log = new Log(7, { send: server.send, ...storage });
+  const log = new Log(7, 'refused', server.send);
   log.add(record(1));
   await expect(log.flush()).rejects.toThrow('a gap');
-  expect(storage.left()).toEqual({ first: 7, records: [record(1)] });
+  expect(keptJson('refused')).toEqual({ first: 7, records: [record(1)] });
 });

@@ -1,29 +1,24 @@
 /** The log of a session on its way to the server: numbered, and kept until the server has it. */
 import type { LogPosition, LogRecord, LogRecords } from '../protocol/values';
-import { ApiError } from '../net/rest';
+import { keep, keptJson } from '../store/kept';
 
 /** Most records of one message. */
 const MOST = 1000;
 
-export interface LogDeps {
-  /** Send records; returns the server's next number. */
-  readonly send: (records: LogRecords) => Promise<LogPosition>;
-  /** Records that an earlier page left, or null. */
-  readonly left: () => LogRecords | null;
-  /** Keep records in this browser. */
-  readonly keep: (records: LogRecords) => void;
-}
-
 export class Log {
   private readonly waiting: LogRecord[] = [];
-  private sending: Promise<boolean> | null = null;
+  private sending: Promise<void> | null = null;
 
-  /** `first`: the server's next number. */
+  /**
+   * `first`: the server's next number; `key` keeps unsent records in this browser, for the next
+   * page; `send` resolves with the server's next number.
+   */
   constructor(
     private first: number,
-    private readonly deps: LogDeps,
+    private readonly key: string,
+    private readonly send: (records: LogRecords) => Promise<LogPosition>,
   ) {
-    const left = deps.left();
+    const left = keptJson(key) as LogRecords | null;
     if (left) this.waiting.push(...left.records.slice(Math.max(0, first - left.first)));
   }
 
@@ -31,32 +26,29 @@ export class Log {
     this.waiting.push(record);
   }
 
-  /** Send all records; false: the server did not answer, and the records wait for the next call. */
-  flush(): Promise<boolean> {
+  /** Send all records; after a failure they wait for the next call. */
+  flush(): Promise<void> {
     this.sending ??= this.sendAll().finally(() => (this.sending = null));
     return this.sending;
   }
 
-  private async sendAll(): Promise<boolean> {
+  private async sendAll(): Promise<void> {
     const { waiting } = this;
-    while (waiting.length > 0) {
-      try {
+    try {
+      while (waiting.length > 0) {
         const records = waiting.slice(0, MOST);
-        const { next } = await this.deps.send({ first: this.first, records });
+        const { next } = await this.send({ first: this.first, records });
         waiting.splice(0, next - this.first);
         this.first = next;
-      } catch (error) {
-        this.keep();
-        if (error instanceof ApiError && error.status === 0) return false;
-        throw error;
       }
+    } finally {
+      this.keep();
     }
-    this.keep();
-    return true;
   }
 
-  /** Keep the records that the server does not have, for the next page. */
+  /** Keep the records that the server does not have. */
   keep(): void {
-    this.deps.keep({ first: this.first, records: this.waiting });
+    const { first, waiting: records } = this;
+    keep(this.key, JSON.stringify({ first, records }));
   }
 }

@@ -3,13 +3,12 @@ import { studyCode } from '../common/checking';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
 import { api, ApiError } from '../net/rest';
-import type { LogPosition, LogRecord, LogRecords, StudyStep } from '../protocol/values';
+import type { LogPosition, LogRecord, StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
-import { keep, keptJson } from '../store/kept';
 import { limits, offers } from '../store/limits';
 import { frameRange } from '../store/range';
 import { patch, state } from '../store/state';
-import { follow } from '../store/watch';
+import { until } from '../store/watch';
 import { change } from '../store/xr-settings';
 import { DESK_WAYS } from '../tools/ways';
 import type { Headset } from '../xr/headset';
@@ -27,7 +26,6 @@ const ROOT = `study/${studyCode() ?? ''}`;
 export class Session {
   private log: Log | null = null;
   private observer: Observer | null = null;
-  private stopOpening = (): void => undefined;
   /** Time of the newest answer, and of the step's beginning: `performance.now()`. */
   private received = 0;
   private began = 0;
@@ -53,14 +51,14 @@ export class Session {
   private async update(): Promise<void> {
     const before = this.newest;
     try {
-      if (this.log && !(await this.log.flush())) return;
+      await this.log?.flush();
       const next = await (before ? api<StudyStep>('GET', `${ROOT}/step`) : this.enter());
       // A step that was finished meanwhile is over.
       if (this.newest === before) this.take(next);
+      if (this.newest?.reached && isTask(this.newest)) void this.finish([]);
     } catch (error) {
       if (!(error instanceof ApiError && error.status === 0)) throw error;
     }
-    if (this.newest?.reached && isTask(this.newest)) void this.finish([]);
   }
 
   /** Exchange the code for the page's cookie, with which the socket opens. */
@@ -75,23 +73,15 @@ export class Session {
     this.received = performance.now();
     this.newest = next;
     this.count();
-    this.log ??= this.open(next.records);
+    this.log ??= new Log(next.records, `pointbrush.${ROOT}`, (records) =>
+      api<LogPosition>('POST', `${ROOT}/log`, records),
+    );
     if (before?.number === next.number && before.kind === next.kind) return;
-    this.stopOpening();
     this.observer?.stop();
     this.observer = null;
     this.began = this.received - 1000 * next.elapsed_s;
     activeStep.value = next;
     this.begin(next);
-  }
-
-  private open(first: number): Log {
-    const key = `pointbrush.${ROOT}`;
-    return new Log(first, {
-      send: (records) => api<LogPosition>('POST', `${ROOT}/log`, records),
-      left: () => keptJson(key) as LogRecords | null,
-      keep: (records) => keep(key, JSON.stringify(records)),
-    });
   }
 
   private count(): void {
@@ -107,21 +97,18 @@ export class Session {
     limits.value = { tools, hints: condition?.hints ?? true, Bar: StudyBar };
     actions.tools.setTool('navigate');
     if (condition) change({ hands: condition.input !== 'controller', guide: false });
-    if (sequence) this.show(next, sequence);
+    if (sequence) void this.show(next, sequence);
   }
 
   /** Open the recording of a task; the observer begins with its first picture. */
-  private show(task: StudyStep, sequence: string): void {
+  private async show(task: StudyStep, sequence: string): Promise<void> {
     actions.recordings.openSequence(sequence);
-    const stop = follow(() => {
+    await until(() => {
       const isOpen = state.sequence.value?.id === sequence && state.palette.value.length > 0;
-      if (!isOpen || state.shown.value.total === 0) return;
-      queueMicrotask(() => {
-        stop();
-        if (isTask(task)) this.prepare(task);
-      });
+      return isOpen && state.shown.value.total > 0;
     });
-    this.stopOpening = stop;
+    // Another step may have begun meanwhile.
+    if (activeStep.peek() === task && isTask(task)) this.prepare(task);
   }
 
   private prepare(task: StudyStep): void {
@@ -156,24 +143,12 @@ export class Session {
     const tool = state.tool.peek();
     actions.tools.setTool('navigate');
     await attempt('The step was not finished; try again', async () => {
-      await this.settled();
-      if (this.log && !(await this.log.flush())) throw new ApiError('No connection', '', 0);
+      // The server has answered every edit.
+      await until(() => state.pending.value === 0);
+      await this.log?.flush();
       this.take(await api<StudyStep>('POST', `${ROOT}/step`, { number, answers }));
     });
     if (activeStep.peek()?.number === number) actions.tools.setTool(tool);
     finishing.value = false;
-  }
-
-  /** Resolves once the server has answered every edit. */
-  private settled(): Promise<void> {
-    return new Promise((resolve) => {
-      const stop = follow(() => {
-        if (state.pending.value > 0) return;
-        queueMicrotask(() => {
-          stop();
-          resolve();
-        });
-      });
-    });
   }
 }

@@ -25,15 +25,12 @@ export function canFinish(step: StudyStep): boolean {
 }
 
 type Finish = (answers: readonly number[]) => Promise<void>;
-let finishStep: Finish = () => Promise.resolve();
 
-/** Set the function that finishes a step. */
+/** Finish the current step. */
+export let finish: Finish = () => Promise.resolve();
+
 export function bindFinish(run: Finish): void {
-  finishStep = run;
-}
-
-export function finish(answers: readonly number[]): Promise<void> {
-  return finishStep(answers);
+  finish = run;
 }
 
 /** 83 → "1:23". */
