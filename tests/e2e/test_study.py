@@ -70,8 +70,6 @@ def answer(desk: Desk, heading: str) -> None:
     expect(dialog.get_by_role("heading", name=heading, exact=True)).to_be_visible()
     for group in dialog.get_by_role("radiogroup").all():
         group.get_by_role("radio").last.click()
-    for slider in dialog.get_by_role("slider").all():
-        slider.click()
     press(desk, "Continue")
 
 

@@ -1,5 +1,4 @@
 /** Steps of a participant that are read and answered at the desk, in a dialog over the page. */
-import type { ComponentChildren } from 'preact';
 import { apiUrl } from '../net/rest';
 import { Button } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
@@ -7,7 +6,7 @@ import type { StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { Questions } from './questions';
-import { activeStep, finish, finishing, isTask, isWorn } from './step';
+import { activeStep, finish, finishing, isTask, isWorn, PAUSED } from './step';
 
 export function StudyCards() {
   const step = activeStep.value;
@@ -23,54 +22,52 @@ function stay(event: Event): void {
 
 function Card({ step }: { step: StudyStep }) {
   const dialog = useModal();
+  const questionnaire = step.kind === 'questionnaire' && step.questionnaire;
   return (
     <dialog ref={dialog} class="settings" aria-label={step.title} onCancel={stay} onKeyDown={stay}>
       <header class="line soft">{step.title}</header>
       <div class="settings-body stack">
-        <Content step={step} />
+        {questionnaire ? <Questions of={questionnaire} /> : <Reading step={step} />}
       </div>
     </dialog>
   );
 }
 
-function Content({ step }: { step: StudyStep }) {
-  const next = (label: string) => (
-    <Button label={label} kind="primary" disabled={finishing.value} onClick={() => void finish([])} />
-  ); // prettier-ignore
-  const { kind, task, questionnaire } = step;
-  if (isWorn(step))
-    return <Reading title={`${task?.name}: put on the headset`} step={step} foot={<EnterButton />} />; // prettier-ignore
-  if (kind === 'consent')
-    return <Reading title="Before you begin" step={step} foot={next('I agree')} />;
-  if (kind === 'instructions')
-    return <Reading title={task?.name ?? 'Instructions'} step={step} foot={next('Begin')} />;
-  if (kind === 'pause')
-    return <Reading title="Paused" words="The study continues in a moment. Your work is kept." />;
-  if (kind === 'done')
-    return <Reading title="Thank you" words="The study is finished. You can close this page." />;
-  return questionnaire && <Questions of={questionnaire} />;
+/** Return heading, text and the button's words of a step that is read. */
+function wordsOf({ kind, task, text }: StudyStep): [title: string, text: string, next: string] {
+  if (kind === 'consent') return ['Before you begin', text, 'I agree'];
+  if (kind === 'pause') return ['Paused', PAUSED, ''];
+  if (kind === 'done') return ['Thank you', 'The study is finished. You can close this page.', ''];
+  return [task?.name ?? 'Instructions', text, 'Begin'];
 }
 
-interface ReadingProps {
-  title: string;
-  step?: StudyStep;
-  words?: string;
-  foot?: ComponentChildren;
-}
-
-/** A heading, paragraphs, and the picture of the task. */
-function Reading({ title, step, words = step?.text ?? '', foot }: ReadingProps) {
-  const { task, sequence, start } = step ?? {};
+function Reading({ step }: { step: StudyStep }) {
+  const { task, sequence, start } = step;
+  const [title, text, next] = wordsOf(step);
+  const worn = isWorn(step);
   const thumbnail = sequence && apiUrl(`sequences/${sequence}/frames/${start}/thumbnail`);
   const picture = task?.picture || thumbnail;
   return (
     <>
-      <h2>{title}</h2>
-      {words.split(/\n\s*\n/).map((each) => (
+      <h2>{worn ? `${title}: put on the headset` : title}</h2>
+      {text.split(/\n\s*\n/).map((each) => (
         <p key={each}>{each}</p>
       ))}
-      {picture && <img src={picture} alt="" style={{ maxWidth: '100%' }} />}
-      <footer class="form-end">{foot}</footer>
+      {next && picture && <img src={picture} alt="" style={{ maxWidth: '100%' }} />}
+      <footer class="form-end">
+        {worn ? (
+          <EnterButton />
+        ) : (
+          next && (
+            <Button
+              label={next}
+              kind="primary"
+              disabled={finishing.value}
+              onClick={() => void finish([])}
+            />
+          )
+        )}
+      </footer>
     </>
   );
 }

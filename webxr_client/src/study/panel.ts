@@ -1,18 +1,30 @@
 /** The task of a study in the headset: its name and text, the time left, and its button. */
 import { actions } from '../store/actions';
 import { watch } from '../store/watch';
+import { lines } from '../xr/drawing/lines';
 import { SIZES } from '../xr/drawing/sizes';
 import { INK, type Ui } from '../xr/drawing/ui';
 import { Panel } from '../xr/panels/panel';
-import { activeStep, canFinish, finish, finishing, minutes, secondsLeft } from './step';
+import { activeStep, canFinish, finish, finishing, minutes, PAUSED, secondsLeft } from './step';
 
-/** Ems: padding, first line, from one line of the text to the next, and the button. */
-const [PAD, TITLE, ROW, WIDE, HIGH] = [0.8, 1.6, 1.5, 8, 2.2];
-/** Lines of text that there is room for. */
-const MOST_LINES = 4;
+/** Ems: padding, middles of the first lines of title and text, a line's height, and the button. */
+const [PAD, TITLE, TEXT, ROW, WIDE, HIGH] = [0.8, 1.6, 3.4, 1.5, 8, 2.2];
+/** Lines of text that there is room for, and letters of a line. */
+const [MOST_LINES, LETTERS] = [4, 50];
 const LEAVE = 'Leave VR';
 const TAKE_OFF = 'Leave VR, take off the headset, and continue at the desk.';
-const PAUSED = 'The study continues in a moment. Your work is kept.';
+
+/** Return title, text and the button's words; empty: no button. */
+function wordsNow(): [title: string, text: string, button: string] {
+  const step = activeStep.peek()!;
+  const { kind, condition, task } = step;
+  if (kind === 'pause') return ['Paused', PAUSED, ''];
+  if (condition?.device !== 'headset' || kind === 'questionnaire')
+    return ['Done in VR', TAKE_OFF, LEAVE];
+  const title = `${kind === 'practice' ? 'Practice: ' : ''}${task?.name ?? 'Instructions'}`;
+  const button = kind === 'instructions' ? 'Begin' : canFinish(step) ? 'Done' : '';
+  return [title, step.text, finishing.peek() ? '' : button];
+}
 
 export class StudyPanel extends Panel {
   private readonly unsubscribe = watch([activeStep, secondsLeft, finishing], this.touch);
@@ -28,43 +40,20 @@ export class StudyPanel extends Panel {
 
   protected override draw(ui: Ui): void {
     const { em, width, height } = ui;
-    const step = activeStep.peek();
-    if (!step) return;
-    const [pad, inner] = [PAD * em, width - 2 * PAD * em];
-    const paused = step.kind === 'pause';
-    const works = step.condition?.device === 'headset' && !paused && step.kind !== 'questionnaire';
-    const name = `${step.kind === 'practice' ? 'Practice: ' : ''}${step.task?.name ?? 'Instructions'}`;
-    const title = works ? name : paused ? 'Paused' : 'Done in VR';
-    const text = works ? step.text : paused ? PAUSED : TAKE_OFF;
+    const [pad, inner, foot] = [PAD * em, width - 2 * PAD * em, height - em * (HIGH + PAD)];
+    const [title, text, button] = wordsNow();
     ui.area({ name: 'move', x: 0, y: 0, w: width, h: height, moves: true, plain: true });
     ui.text(title, pad, em * TITLE, { weight: 650, size: 1.2, width: inner });
-    wrap(ui, text, inner).forEach((line, i) =>
-      ui.text(line, pad, em * (TITLE + 1.8 + ROW * i), { color: INK.quiet }),
-    );
-    const finishes = works && !finishing.peek();
-    const done = finishes && canFinish(step) ? 'Done' : '';
-    const next = finishes && step.kind === 'instructions' ? 'Begin' : done;
-    this.drawFoot(ui, pad, height - em * (HIGH + PAD), works || paused ? next : LEAVE);
-  }
-
-  private drawFoot(ui: Ui, pad: number, y: number, text: string): void {
-    const { em, width } = ui;
+    lines(text, LETTERS)
+      .slice(0, MOST_LINES)
+      .forEach((line, i) =>
+        ui.text(line, pad, em * (TEXT + ROW * i), { color: INK.quiet, width: inner }),
+      );
     const left = secondsLeft.peek();
-    if (left !== null) ui.text(`${minutes(left)} left`, pad, y + (em * HIGH) / 2);
-    const act = text === LEAVE ? () => actions.page.exitVR() : () => finish([]);
-    const look = { text, strong: true };
-    if (text) ui.button(width - pad - WIDE * em, y, WIDE * em, HIGH * em, look, () => void act());
+    if (left !== null) ui.text(`${minutes(left)} left`, pad, foot + (em * HIGH) / 2);
+    if (!button) return;
+    const act = button === LEAVE ? () => actions.page.exitVR() : () => finish([]);
+    const look = { text: button, strong: true };
+    ui.button(width - pad - WIDE * em, foot, WIDE * em, HIGH * em, look, () => void act());
   }
-}
-
-/** Return the first lines of a text, broken between words. */
-function wrap({ pen, em }: Ui, text: string, width: number): string[] {
-  const lines = [''];
-  pen.font = pen.font.replace(/[\d.]+px/, `${em}px`);
-  for (const word of text.split(/\s+/).filter(Boolean)) {
-    const longer = `${lines.at(-1)!} ${word}`.trim();
-    if (pen.measureText(longer).width <= width) lines[lines.length - 1] = longer;
-    else lines.push(word);
-  }
-  return lines.slice(0, MOST_LINES);
 }

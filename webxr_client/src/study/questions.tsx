@@ -1,68 +1,41 @@
-/** A questionnaire: each item is a scale, of radio buttons or, if it is long, a slider. */
-import { useState } from 'preact/hooks';
+/** A questionnaire: a form with a scale of radio buttons for each item. */
 import { Button } from '../panels/parts/controls';
-import { RadioGroup } from '../panels/parts/radio-group';
 import type { QuestionItem, Questionnaire } from '../protocol/values';
 import { finish, finishing } from './step';
 
-/** Longest scale of radio buttons. */
-const MOST_RADIOS = 11;
-
-type Answer = number | null;
-
 export function Questions({ of: { name, title, items } }: { of: Questionnaire }) {
-  const [answers, setAnswers] = useState<readonly Answer[]>(() => items.map(() => null));
-  const given = answers.filter((answer) => answer !== null);
-  const choose = (i: number, answer: number): void =>
-    setAnswers(answers.map((old, k) => (k === i ? answer : old)));
+  const submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const answers = new FormData(event.currentTarget as HTMLFormElement);
+    void finish(items.map((_, i) => Number(answers.get(String(i)))));
+  };
   return (
-    <>
+    <form class="stack" onSubmit={submit}>
       <h2>{title || name}</h2>
       {items.map((item, i) => (
-        <div key={i} class="card stack">
-          <strong>{item.text}</strong>
-          <div class="line spread soft">
-            {item.low}
-            <Scale of={item} value={answers[i]!} onChoose={(answer) => choose(i, answer)} />
-            {item.high}
-          </div>
-        </div>
+        <Scale key={i} name={String(i)} of={item} />
       ))}
-      <footer class="line spread">
-        <span class="soft" role="status">
-          {given.length} of {items.length} answered
-        </span>
-        <Button label="Continue" kind="primary" disabled={given.length < items.length || finishing.value}
-          onClick={() => void finish(given)} />
+      <footer class="form-end">
+        <Button submit label="Continue" kind="primary" disabled={finishing.value} />
       </footer>
-    </>
-  ); // prettier-ignore
+    </form>
+  );
 }
 
-interface ScaleProps {
-  of: QuestionItem;
-  value: Answer;
-  onChoose: (answer: number) => void;
-}
-
-function Scale({ of: { text, low, high, steps }, value, onChoose }: ScaleProps) {
-  const label = `${text} 1: ${low}, ${steps}: ${high}`;
-  const shown = value ?? Math.ceil(steps / 2);
-  if (steps <= MOST_RADIOS) {
-    const options = Array.from({ length: steps }, (_, i) => String(i + 1));
-    return (
-      <RadioGroup label={label} options={options.map((each) => ({ value: each, label: each }))}
-        value={value === null ? null : String(value)} onChoose={(each) => onChoose(Number(each))} />
-    ); // prettier-ignore
-  }
-  // A slider counts once it was used; a click in its middle is an answer as well.
-  const take = (event: { currentTarget: HTMLInputElement }): void =>
-    onChoose(event.currentTarget.valueAsNumber);
+/** The browser does not submit the form before each item is answered. */
+function Scale({ name, of: { text, low, high, steps } }: { name: string; of: QuestionItem }) {
   return (
-    <span class="slider grow">
-      <input type="range" class="grow" aria-label={label} aria-valuetext={value === null ? 'not answered' : String(value)}
-        min={1} max={steps} value={shown} style={{ '--fill': String((shown - 1) / (steps - 1)) }} onInput={take} onClick={take} />
-      <output>{value ?? '–'}</output>
-    </span>
+    <div class="card stack" role="radiogroup" aria-label={`${text} 1: ${low}, ${steps}: ${high}`}>
+      <strong>{text}</strong>
+      <div class="line spread">
+        {Array.from({ length: steps }, (_, i) => i + 1).map((value) => (
+          <input key={value} type="radio" name={name} value={value} required aria-label={String(value)} />
+        ))}
+      </div>
+      <div class="line spread soft">
+        <span>{low}</span>
+        <span>{high}</span>
+      </div>
+    </div>
   ); // prettier-ignore
 }

@@ -8,6 +8,9 @@ export const secondsLeft = signal<number | null>(null);
 /** The step is being finished. */
 export const finishing = signal(false);
 
+/** Words of a paused step. */
+export const PAUSED = 'The study continues in a moment. Your work is kept.';
+
 /** Return whether labels are painted in a step. */
 export function isTask({ kind }: StudyStep): boolean {
   return kind === 'practice' || kind === 'task';
