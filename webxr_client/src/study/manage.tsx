@@ -5,11 +5,11 @@ import { useEffect, useState } from 'preact/hooks';
 import { percent, plural } from '../common/format';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
-import { api, ApiError, apiUrl } from '../net/rest';
+import { api, type ApiError, apiUrl } from '../net/rest';
 import { Button } from '../panels/parts/controls';
 import { Field, Table } from '../panels/parts/fields';
 import { useModal } from '../panels/parts/modal';
-import type { NewParticipant, NewStudy, Participant, StudyInfo } from '../protocol/values';
+import type { NewParticipant, Participant, StudyInfo } from '../protocol/values';
 import { actions } from '../store/actions';
 import { replay } from './replay-bar';
 
@@ -18,58 +18,56 @@ const LIVE_MS = 2000;
 const TEMPLATES = { 'desk-or-headset': 'Desk or headset', 'brush-or-object-tool': 'Brush or object tool' }; // prettier-ignore
 const RESULTS = { '/report': 'Report with plots', '/results': 'Results as CSV', '/results?format=parquet': 'Results as Parquet' }; // prettier-ignore
 
-const open = signal(false);
 const studies = signal<readonly StudyInfo[]>([]);
-/** The study that is shown; null: the list. */
-const chosen = signal<StudyInfo | null>(null);
+/** Id of the study that is shown; null: the list. */
+const chosen = signal<string | null>(null);
 const participants = signal<readonly Participant[]>([]);
 /** Participants that were added here, with the links that the server shows once. */
 const added = signal<readonly NewParticipant[]>([]);
-let engine: Engine | null = null;
+const dialogPlace = document.createElement('div');
+let engine: Engine;
 
-/** Open the studies; the first call adds their dialog to the page. */
+/** Open the studies. */
 export function openStudies(of: Engine): void {
-  if (!engine) render(<Studies />, document.body.appendChild(document.createElement('div')));
   engine = of;
-  open.value = true;
+  document.body.append(dialogPlace);
+  render(<Studies />, dialogPlace);
+}
+
+function close(): void {
+  render(null, dialogPlace);
 }
 
 function place(rest = ''): string {
-  return `studies/${encodeURIComponent(chosen.peek()?.id ?? '')}${rest}`;
+  return `studies/${encodeURIComponent(chosen.peek() ?? '')}${rest}`;
+}
+
+async function load(): Promise<void> {
+  studies.value = await api<StudyInfo[]>('GET', 'studies');
+  if (!studies.peek().some(({ id }) => id === chosen.peek())) return;
+  participants.value = await api<Participant[]>('GET', place('/participants'));
 }
 
 /** Change something, and load again what is shown. */
 async function act(failure: string, work: () => Promise<unknown>): Promise<void> {
   await attempt(failure, work);
-  await attempt('The studies did not load', async () => {
-    studies.value = await api<StudyInfo[]>('GET', 'studies');
-    const { id } = chosen.peek() ?? {};
-    chosen.value = studies.value.find((each) => each.id === id) ?? null;
-    await loadParticipants();
-  });
+  await attempt('The studies did not load', load);
 }
 
-async function loadParticipants(): Promise<void> {
-  if (!chosen.peek()) return;
-  participants.value = await api<Participant[]>('GET', place('/participants'));
-}
-
-function choose(study: StudyInfo | null): void {
+function choose(study: string | null): void {
   chosen.value = study;
   participants.value = added.value = [];
 }
 
-function create(study: NewStudy): Promise<void> {
-  return act('The study was not created', async () =>
-    choose(await api<StudyInfo>('POST', 'studies', study)),
-  );
-}
-
 function Studies() {
-  const dialog = useModal(open.value);
-  if (!open.value) return null;
-  const study = chosen.value;
-  const close = (): void => void (open.value = false);
+  const dialog = useModal();
+  useEffect(() => {
+    void attempt('The studies did not load', load);
+    // A lost connection needs no message each time.
+    const timer = setInterval(() => void load().catch(() => undefined), LIVE_MS);
+    return () => clearInterval(timer);
+  }, [chosen.value]);
+  const study = studies.value.find(({ id }) => id === chosen.value);
   return (
     <dialog ref={dialog} class="settings wide" aria-label="Studies" onClose={close}>
       <header class="line">
@@ -83,7 +81,10 @@ function Studies() {
 }
 
 function List() {
-  useEffect(() => void act('', () => Promise.resolve()), []);
+  const create = (template: string): Promise<void> =>
+    act('The study was not created', async () =>
+      choose((await api<StudyInfo>('POST', 'studies', { template })).id),
+    );
   return (
     <>
       <p class="soft">
@@ -95,13 +96,13 @@ function List() {
           <li key={each.id} class="line">
             <strong class="name">{each.study.title}</strong>
             <span class="soft number">{plural(each.participants, 'participant')}, {each.done} done</span>
-            <Button label="Open" kind="outlined" small onClick={() => choose(each)} />
+            <Button label="Open" kind="outlined" small onClick={() => choose(each.id)} />
           </li>
         ))}
       </ul>
       <div class="line">
         {Object.entries(TEMPLATES).map(([template, title]) => (
-          <Button key={template} icon="plus" label={`New: ${title}`} kind="outlined" onClick={() => void create({ template })} />
+          <Button key={template} icon="plus" label={`New: ${title}`} kind="outlined" onClick={() => void create(template)} />
         ))}
       </div>
     </>
@@ -109,13 +110,6 @@ function List() {
 }
 
 function Study({ of }: { of: StudyInfo }) {
-  useEffect(() => {
-    // A lost connection needs no message each time.
-    const look = (): void => void loadParticipants().catch(() => undefined);
-    look();
-    const timer = setInterval(look, LIVE_MS);
-    return () => clearInterval(timer);
-  }, []);
   return (
     <>
       <Participants />
@@ -135,10 +129,10 @@ function Study({ of }: { of: StudyInfo }) {
 const HEAD = [['No.'], ['Conditions'], ['State'], ['Step'], ['IoU'], ['']] as const;
 
 function Participants() {
-  const [count, setCount] = useState(2);
   const all = participants.value;
-  const submit = (event: Event): void => {
+  const submit = (event: SubmitEvent): void => {
     event.preventDefault();
+    const count = Number(new FormData(event.currentTarget as HTMLFormElement).get('count'));
     void act('No participant was added', async () => {
       const found = await api<NewParticipant[]>('POST', place('/participants'), { count });
       added.value = [...added.peek(), ...found];
@@ -148,8 +142,8 @@ function Participants() {
     <>
       {all.length > 0 && <Table head={HEAD} rows={all.map(rowOf)} />}
       <form class="line" onSubmit={submit}>
-        <Field label="" type="number" aria-label="Number of new participants" min={1} max={100} value={count}
-          onInput={({ currentTarget }) => setCount(currentTarget.valueAsNumber || 1)} />
+        <Field label="" type="number" aria-label="Number of new participants" name="count"
+          min={1} max={100} required defaultValue={2} />
         <Button submit label="Add participants" kind="primary" />
       </form>
       {added.value.length > 0 && (
@@ -171,7 +165,7 @@ function rowOf(one: Participant) {
     void act('The session was not paused', () => api('PATCH', path, { paused: !paused }));
   const remove = (): void => void act('The participant was not deleted', () => api('DELETE', path));
   const leaveTo = (run: () => unknown): void => {
-    open.value = false;
+    close();
     run();
   };
   return [
@@ -185,7 +179,7 @@ function rowOf(one: Participant) {
       {sequence && <Button icon="eye" tip={`Look at the recording of participant ${number}`} small
         onClick={() => leaveTo(() => actions.recordings.openSequence(sequence))} />}
       {records > 0 && <Button icon="history" tip={`Replay participant ${number}`} small
-        onClick={() => leaveTo(() => replay(engine!, number, path))} />}
+        onClick={() => leaveTo(() => replay(engine, number, path))} />}
       <Button icon="trash" tip={`Delete participant ${number} with all data`} small onClick={remove} />
     </div>,
   ]; // prettier-ignore
@@ -196,9 +190,10 @@ function File({ of }: { of: StudyInfo }) {
   const [refusal, setRefusal] = useState('');
   const fixed = of.participants > 0;
   const save = async (): Promise<void> => {
-    const answer = api<StudyInfo>('PUT', place(), { text });
-    setRefusal(await answer.then((found) => ((chosen.value = found), ''), (error: ApiError) => error.message));
-  }; // prettier-ignore
+    setRefusal('');
+    await api('PUT', place(), { text }).catch(({ message }: ApiError) => setRefusal(message));
+    await load();
+  };
   return (
     <>
       <h3>File</h3>
