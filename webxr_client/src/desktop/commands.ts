@@ -211,11 +211,6 @@ const EDIT = [
 const RECORDINGS = [
   plain('Export points and labels…', () => (exportOpen.value = true)),
   plain('All recordings', () => recordings.closeSequence()),
-  plain(
-    'Studies…',
-    () => actions.page.openStudies(),
-    () => canManage.peek(),
-  ),
   plain('Sign out', signOut, () => state.me.peek() !== null),
   plain(
     'Import files…',

@@ -1,4 +1,5 @@
 /** The page of a participant: cards at the desk, a panel in the headset, and the session. */
+import { computed } from '@preact/signals';
 import { h, render } from 'preact';
 import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
@@ -13,12 +14,9 @@ export function installStudy(engine: Engine, headset: Headset): void {
   const place = document.createElement('div');
   document.body.append(place);
   render(h(StudyCards, {}), place);
-  let hung = false;
-  watch([state.xr], () => {
-    const { cockpit } = headset;
-    const runs = state.xr.peek().session === 'running';
+  const session = computed(() => state.xr.value.session);
+  watch([session], () => {
     // The panel goes with its cockpit.
-    if (runs && cockpit && !hung) cockpit.hang(new StudyPanel());
-    hung = runs;
+    if (session.peek() === 'running') headset.cockpit?.hang(new StudyPanel());
   });
 }

@@ -1,5 +1,6 @@
 /** The controls of a replay, in the tool bar. */
 import { signal } from '@preact/signals';
+import { clock } from '../common/format';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
@@ -9,8 +10,6 @@ import type { LogRecord, SessionStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { limits } from '../store/limits';
 import { notify } from '../store/state';
-import { minutes } from './step';
-import { savePictures } from './pictures';
 import { duration, plays, Replay, speed, time } from './replay';
 
 const SPEEDS = ['0.5', '1', '2', '4', '8', '16'].map((each) => [each, `${each}×`] as const);
@@ -56,7 +55,7 @@ function close(): void {
 
 async function save(): Promise<void> {
   const progress = (share: number): void => void (saving.value = share);
-  await attempt('The pictures were not saved', () => savePictures(running!, progress));
+  await attempt('The pictures were not saved', () => running!.save(progress));
   saving.value = null;
 }
 
@@ -72,7 +71,7 @@ function ReplayBar() {
         onChange={(number) => void show(Number(number))} />
       <Button icon={plays.value ? 'pause' : 'play'} tip={plays.value ? 'Pause the replay' : 'Play the replay'} onClick={play} />
       <Slider label="Time" before="" min={0} max={Math.max(1, duration.value)} value={time.value}
-        shown={minutes(Math.floor(time.value / 1000))} onInput={(to) => (time.value = to)} />
+        shown={clock(time.value / 1000)} onInput={(to) => (time.value = to)} />
       <Choice label="Speed" value={String(speed.value)} choices={SPEEDS} onChange={(each) => (speed.value = Number(each))} />
       {saving.value === null
         ? <Button icon="export" tip="Save the replay as pictures" onClick={() => void save()} />

@@ -1,8 +1,10 @@
 /** A participant's step again: ghost of head and hands, frames, and labels as they were. */
 import { computed, signal } from '@preact/signals';
+import { zipSync } from 'three/examples/jsm/libs/fflate.module.js';
 import { LABEL_COLORS } from '../common/colors';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
+import { saveBlob } from '../net/files';
 import { api, apiBytes } from '../net/rest';
 import type { LogRecord, PastEdit } from '../protocol/values';
 import { actions } from '../store/actions';
@@ -12,6 +14,8 @@ import { movedPose, sourceFrom } from './places';
 
 /** Most edits of one answer. */
 const MOST_EDITS = 1000;
+/** Pictures of a second as it is replayed, and most of a file. */
+const [PICTURES_HZ, MOST_PICTURES] = [10, 1200];
 const GHOST = { viewer: 'replay', color: LABEL_COLORS[6], label: 0, radius: 0, brush: null };
 
 /** Milliseconds since the step began. */
@@ -35,8 +39,8 @@ export class Replay {
   private pose: LogRecord | undefined;
 
   constructor(
-    readonly engine: Engine,
-    readonly name: string,
+    private readonly engine: Engine,
+    private readonly name: string,
   ) {
     this.unsubscribe = engine.viewer.ticks.add((now) => this.tick(now));
   }
@@ -57,11 +61,6 @@ export class Replay {
     state.people.value = [];
     // It shows labels of the past.
     actions.recordings.closeSequence();
-  }
-
-  /** Whether the picture is that of the current time. */
-  get settled(): boolean {
-    return this.applied === this.wanted && this.engine.playback.frame?.complete === true;
   }
 
   private tick(now: number): void {
@@ -121,6 +120,40 @@ export class Replay {
     });
     this.applied = wanted;
     this.fetching = false;
+  }
+
+  /** Save pictures of the whole step at its speed as a zip; `progress` gets the done share, 0..1. */
+  async save(progress: (share: number) => void): Promise<void> {
+    plays.value = false;
+    const files: Record<string, Uint8Array> = {};
+    const step = Math.max((1000 * speed.peek()) / PICTURES_HZ, duration.peek() / MOST_PICTURES);
+    for (let t = 0, k = 0; t <= duration.peek(); t += step, k++) {
+      time.value = t;
+      files[`${String(k).padStart(5, '0')}.png`] = await this.picture();
+      progress(t / duration.peek());
+    }
+    // A PNG is compressed already.
+    const zip = zipSync(files, { level: 0 }) as Uint8Array<ArrayBuffer>;
+    saveBlob(`${this.name}.zip`, new Blob([zip]));
+  }
+
+  /** Return the canvas as a PNG once it shows the current time. */
+  private async picture(): Promise<Uint8Array> {
+    const { viewer, playback } = this.engine;
+    const blob = await new Promise<Blob | null>((resolve) => {
+      let waits = 2;
+      const stop = viewer.ticks.add(() => {
+        viewer.invalidate();
+        const settled = this.applied === this.wanted && playback.frame?.complete;
+        // The time is taken in before the first of two pictures.
+        if (!settled || waits-- > 0) return;
+        stop();
+        // The browser empties the canvas once it was shown: it is read just after it was drawn.
+        queueMicrotask(() => viewer.canvas.toBlob(resolve));
+      });
+    });
+    if (!blob) throw new Error('The browser made no picture of the canvas.');
+    return new Uint8Array(await blob.arrayBuffer());
   }
 }
 

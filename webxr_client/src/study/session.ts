@@ -13,7 +13,7 @@ import { change } from '../store/xr-settings';
 import { DESK_WAYS } from '../tools/ways';
 import type { Headset } from '../xr/headset';
 import { Log } from './log';
-import { Observer } from './observer';
+import { observe } from './observer';
 import { StudyBar } from './bar';
 import { activeStep, bindFinish, finishing, isTask, isWorn, secondsLeft } from './step';
 
@@ -25,7 +25,7 @@ const ROOT = `study/${studyCode() ?? ''}`;
 
 export class Session {
   private log: Log | null = null;
-  private observer: Observer | null = null;
+  private stopObserving = (): void => undefined;
   /** Time of the newest answer, and of the step's beginning: `performance.now()`. */
   private received = 0;
   private began = 0;
@@ -77,8 +77,7 @@ export class Session {
       api<LogPosition>('POST', `${ROOT}/log`, records),
     );
     if (before?.number === next.number && before.kind === next.kind) return;
-    this.observer?.stop();
-    this.observer = null;
+    this.stopObserving();
     this.began = this.received - 1000 * next.elapsed_s;
     activeStep.value = next;
     this.begin(next);
@@ -123,7 +122,7 @@ export class Session {
       if (way) actions.tools.setShape(way.shape);
     }
     patch(state.brush, { complete: offers('object'), follow: false });
-    this.observer = new Observer(this.engine, this.headset, isWorn(task), (fields) =>
+    this.stopObserving = observe(this.engine, this.headset, isWorn(task), (fields) =>
       this.note(number, fields),
     );
   }
