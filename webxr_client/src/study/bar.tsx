@@ -1,6 +1,7 @@
 /** The task of a study in the tool bar: its name, the time left, and the button that ends it. */
 import { Button } from '../panels/parts/controls';
-import { activeStep, canFinish, finish, finishing, minutes, secondsLeft } from './step';
+import { finish } from './session';
+import { activeStep, canFinish, finishing, minutes, secondsLeft } from './step';
 
 export function StudyBar() {
   const step = activeStep.value;

@@ -6,7 +6,8 @@ import type { StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
 import { Questions } from './questions';
-import { activeStep, finish, finishing, isTask, isWorn, PAUSED } from './step';
+import { finish } from './session';
+import { activeStep, finishing, isTask, isWorn, PAUSED } from './step';
 
 export function StudyCards() {
   const step = activeStep.value;

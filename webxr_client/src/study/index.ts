@@ -5,12 +5,13 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
 import type { Headset } from '../xr/headset';
+import { StudyBar } from './bar';
 import { StudyCards } from './cards';
 import { StudyPanel } from './panel';
-import { Session } from './session';
+import { startSession } from './session';
 
 export function installStudy(engine: Engine, headset: Headset): void {
-  new Session(engine, headset);
+  startSession(engine, headset, StudyBar);
   const place = document.createElement('div');
   document.body.append(place);
   render(h(StudyCards, {}), place);

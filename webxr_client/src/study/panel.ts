@@ -5,7 +5,8 @@ import { lines } from '../xr/drawing/lines';
 import { SIZES } from '../xr/drawing/sizes';
 import { INK, type Ui } from '../xr/drawing/ui';
 import { Panel } from '../xr/panels/panel';
-import { activeStep, canFinish, finish, finishing, minutes, PAUSED, secondsLeft } from './step';
+import { finish } from './session';
+import { activeStep, canFinish, finishing, minutes, PAUSED, secondsLeft } from './step';
 
 /** Ems: padding, middles of the first lines of title and text, a line's height, and the button. */
 const [PAD, TITLE, TEXT, ROW, WIDE, HIGH] = [0.8, 1.6, 3.4, 1.5, 8, 2.2];

@@ -1,7 +1,8 @@
 /** A questionnaire: a form with a scale of radio buttons for each item. */
 import { Button } from '../panels/parts/controls';
 import type { QuestionItem, Questionnaire } from '../protocol/values';
-import { finish, finishing } from './step';
+import { finish } from './session';
+import { finishing } from './step';
 
 export function Questions({ of: { name, title, items } }: { of: Questionnaire }) {
   const submit = (event: SubmitEvent): void => {

@@ -27,15 +27,6 @@ export function canFinish(step: StudyStep): boolean {
   return isTask(step) && (step.kind === 'practice' || step.task?.stop === 'button');
 }
 
-type Finish = (answers: readonly number[]) => Promise<void>;
-
-/** Finish the current step. */
-export let finish: Finish = () => Promise.resolve();
-
-export function bindFinish(run: Finish): void {
-  finish = run;
-}
-
 /** 83 → "1:23". */
 export function minutes(seconds: number): string {
   return `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, '0')}`;
