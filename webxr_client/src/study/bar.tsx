@@ -1,4 +1,5 @@
 /** The task of a study in the tool bar: its name, the time left, and the button that ends it. */
+import type { IconName } from '../common/icons';
 import { Button } from '../panels/parts/controls';
 import { finish } from './session';
 import { activeStep, canFinish, finishing, minutes, secondsLeft } from './step';
@@ -21,15 +22,13 @@ export function StudyBar() {
           {minutes(left)} left
         </span>
       )}
-      {canFinish(step) && (
-        <Button
-          icon="check"
-          label="Done"
-          kind="primary"
-          disabled={finishing.value}
-          onClick={() => void finish([])}
-        />
-      )}
+      {canFinish(step) && <NextButton icon="check" label="Done" />}
     </div>
   );
+}
+
+/** The button that finishes the step. */
+export function NextButton(look: { label: string; icon?: IconName }) {
+  const next = (): void => void finish([]);
+  return <Button {...look} kind="primary" disabled={finishing.value} onClick={next} />;
 }

@@ -5,9 +5,9 @@ import { useModal } from '../panels/parts/modal';
 import type { StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
+import { NextButton } from './bar';
 import { Questions } from './questions';
-import { finish } from './session';
-import { activeStep, finishing, isTask, isWorn, PAUSED } from './step';
+import { activeStep, isTask, isWorn, PAUSED } from './step';
 
 export function StudyCards() {
   const step = activeStep.value;
@@ -56,18 +56,7 @@ function Reading({ step }: { step: StudyStep }) {
       ))}
       {next && picture && <img src={picture} alt="" style={{ maxWidth: '100%' }} />}
       <footer class="form-end">
-        {worn ? (
-          <EnterButton />
-        ) : (
-          next && (
-            <Button
-              label={next}
-              kind="primary"
-              disabled={finishing.value}
-              onClick={() => void finish([])}
-            />
-          )
-        )}
+        {worn ? <EnterButton /> : next && <NextButton label={next} />}
       </footer>
     </>
   );
