@@ -4,7 +4,7 @@ import type { LogPosition, LogRecord, LogRecords } from '../protocol/values';
 import { keptJson } from '../store/kept';
 import { Log } from './log';
 
-const record = (t: number): LogRecord => ({ kind: 'undo', step: 3, t }) as LogRecord;
+const record = (t: number): LogRecord => ({ kind: 'undo', step: 3, t });
 const times = (records: readonly LogRecord[]): number[] => records.map(({ t }) => t);
 
 /** A server that refuses gaps and changed records, as ours does. */

@@ -191,7 +191,9 @@ function File({ of }: { of: StudyInfo }) {
   const fixed = of.participants > 0;
   const save = async (): Promise<void> => {
     setRefusal('');
-    await api('PUT', place(), { text }).catch(({ message }: ApiError) => setRefusal(message));
+    await api('PUT', place(), { text }).catch((error: unknown) =>
+      setRefusal((error as ApiError).message),
+    );
     await load();
   };
   return (

@@ -1,7 +1,7 @@
 /** Observes a task: strokes, clicks, undo, levels, labels, playback, poses, times, and phases. */
 import { Matrix4, type Quaternion, type Vector3, type WebGLRenderer } from 'three';
 import type { Engine } from '../engine/engine';
-import type { ClientMessage } from '../protocol/messages';
+import type { ClientMessage, StrokeBegin } from '../protocol/messages';
 import type { LogRecord } from '../protocol/values';
 import { type Pose, state } from '../store/state';
 import { peek, watch } from '../store/watch';
@@ -18,7 +18,8 @@ const LATE = 1.5;
 /** Digits of a pose: tenths of a millimetre, and thousandths of a degree. */
 const DIGITS = 5;
 
-type Note = (fields: Omit<LogRecord, 'step' | 't'>) => void;
+type Fields = Omit<LogRecord, 'step' | 't'>;
+type Note = (fields: Fields) => void;
 
 /** Observe a task; the result ends that. `worn`: no pose of the desk's camera belongs to it. */
 export function observe(engine: Engine, headset: Headset, worn: boolean, note: Note): () => void {
@@ -40,6 +41,11 @@ export function observe(engine: Engine, headset: Headset, worn: boolean, note: N
   return () => stops.forEach((stop) => stop());
 }
 
+function strokeOf({ id, frame, brush }: StrokeBegin): Fields {
+  const { tool = 'paint', shape = 'ray', label = 0 } = brush;
+  return { kind: 'stroke', id, tool, shape, label, frame };
+}
+
 function messageObserver(note: Note): (message: ClientMessage) => void {
   let frame = peek(state.frame);
   const playback = (action: string, to: number): void => {
@@ -48,10 +54,8 @@ function messageObserver(note: Note): (message: ClientMessage) => void {
   };
   return (message) => {
     const { type } = message;
-    if (type === 'stroke_begin') {
-      const { tool = 'paint', shape = 'ray', label = 0 } = message.brush;
-      note({ kind: 'stroke', id: message.id, tool, shape, label, frame: message.frame });
-    } else if (type === 'undo' || type === 'redo') note({ kind: type, id: message.id });
+    if (type === 'stroke_begin') note(strokeOf(message));
+    else if (type === 'undo' || type === 'redo') note({ kind: type, id: message.id });
     else if (type === 'play' || type === 'pause')
       playback(type, message.frame ?? peek(state.frame));
     else if (type === 'seek') {
@@ -77,14 +81,14 @@ function choiceObserver(note: Note): () => void {
 function profileOf(renderer: WebGLRenderer): Record<string, string> {
   const session = renderer.xr.getSession();
   const gl = renderer.getContext();
-  const profiles = [...(session?.inputSources ?? [])].map((source) => source.profiles[0] ?? '');
+  const sources = session ? [...session.inputSources] : [];
   return {
     agent: navigator.userAgent.slice(0, 300),
     gpu: String(gl.getParameter(gl.RENDERER)).slice(0, 300),
     size: `${innerWidth}x${innerHeight}`,
     headset: peek(state.xr).session,
     rate: String(session?.frameRate ?? ''),
-    controllers: profiles.join(' '),
+    controllers: sources.map(({ profiles }) => profiles[0] ?? '').join(' '),
   };
 }
 

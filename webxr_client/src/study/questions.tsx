@@ -28,7 +28,7 @@ function Scale({ name, of: { text, low, high, steps } }: { name: string; of: Que
   return (
     <div class="card stack" role="radiogroup" aria-label={`${text} 1: ${low}, ${steps}: ${high}`}>
       <strong>{text}</strong>
-      <div class="line spread">
+      <div class="group spread">
         {Array.from({ length: steps }, (_, i) => i + 1).map((value) => (
           <input key={value} type="radio" name={name} value={value} required aria-label={String(value)} />
         ))}

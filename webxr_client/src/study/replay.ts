@@ -133,8 +133,7 @@ export class Replay {
       progress(t / duration.peek());
     }
     // A PNG is compressed already.
-    const zip = zipSync(files, { level: 0 }) as Uint8Array<ArrayBuffer>;
-    saveBlob(`${this.name}.zip`, new Blob([zip]));
+    saveBlob(`${this.name}.zip`, new Blob([zipSync(files, { level: 0 })]));
   }
 
   /** Return the canvas as a PNG once it shows the current time. */
