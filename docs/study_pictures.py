@@ -60,10 +60,11 @@ def take(
     server.start()
     try:
         with Client(server.url, TOKEN) as client:
-            study = client.studies.create(template="desk-or-headset")
-            desk_first, headset_first = study.add_participants(2)
-        desk = at_desk(browser, server, desk_first.link, save)
-        worn = in_headset(browser, server, headset_first.link, save_eyes)
+            client.call("POST", "/studies", json={"template": "desk-or-headset"})
+            people = "/studies/desk-or-headset/participants"
+            desk_first, headset_first = client.call("POST", people, json={"count": 2}).json()
+        desk = at_desk(browser, server, desk_first["link"], save)
+        worn = in_headset(browser, server, headset_first["link"], save_eyes)
         watch(browser, server, save)
         desk.close()
         worn.close()

@@ -544,61 +544,32 @@ client.headset_reports.add(report)
 # HeadsetReports.all
 print([(each.account, each.received) for each in client.headset_reports.all()])
 
-# Client.studies
-print(client.studies.all())
-
-# Studies.create
-study = client.studies.create(template="brush-or-object-tool")
-mine = client.studies.create(text=study.info.text, id="mine")  # YAML, as in the file
-
-# Studies.all
-print([(each.id, each.info.done, each.info.participants) for each in client.studies.all()])
-
-# Studies.__getitem__
-study = client.studies["brush-or-object-tool"]
-
-# Study.change
-mine.change(study.info.text.replace("design: within", "design: between"))
-
-# Study.add_participants
-ada, lin = study.add_participants(2)
-print(ada.link, ada.conditions)  # the code is in the link, shown once
-
-# Study.participants
-print([(each.number, each.state, each.kind) for each in study.participants()])
-
-# Study.pause
-study.pause(ada.number)
-study.pause(ada.number, paused=False)
-
 # rest
-client.call("POST", f"/study/{ada.code}")
-step = client.call("GET", f"/study/{ada.code}/step").json()
-client.call("POST", f"/study/{ada.code}/step", json={"number": step["number"]})
+print([(each["id"], each["done"]) for each in client.call("GET", "/studies").json()])
+client.call("POST", "/studies", json={"template": "brush-or-object-tool"})
+study = client.call("GET", "/studies/brush-or-object-tool").json()
+client.call("POST", "/studies", json={"text": study["text"], "id": "mine"})
+between = study["text"].replace("design: within", "design: between")
+client.call("PUT", "/studies/mine", json={"text": between})
+people = "/studies/brush-or-object-tool/participants"
+ada, lin = client.call("POST", people, json={"count": 2}).json()
+print(ada["link"], ada["conditions"])  # the code is in the link, shown once
+client.call("GET", people)
+client.call("PATCH", f"{people}/1", json={"paused": True})
+client.call("PATCH", f"{people}/1", json={"paused": False})
+client.call("POST", f"/study/{ada['code']}")
+step = client.call("GET", f"/study/{ada['code']}/step").json()
+client.call("POST", f"/study/{ada['code']}/step", json={"number": step["number"]})
 first = {"kind": "device", "step": 1, "t": 0, "profile": {"agent": "an example"}}
-client.call("POST", f"/study/{ada.code}/log", json={"first": 0, "records": [first]})
-
-# Study.results
-study.results("results.csv")
-study.results("iou.csv", curves=True)
-
-# Study.report
-study.report("report.html")
-
-# Study.log
-study.log(ada.number, "log.csv")
-
-# Study.recordings
-print([(each.task, each.sequence) for each in study.recordings(ada.number)])
-
-# Study.replay
-print(study.replay(ada.number).equal)
-
-# Study.delete_participant
-study.delete_participant(lin.code)
-
-# Study.delete
-mine.delete()
+client.call("POST", f"/study/{ada['code']}/log", json={"first": 0, "records": [first]})
+results = client.call("GET", "/studies/brush-or-object-tool/results", params={"table": "curves"})
+Path("iou.csv").write_bytes(results.content)
+client.call("GET", "/studies/brush-or-object-tool/report")
+client.call("GET", f"{people}/1/log", params={"format": "csv"})
+client.call("GET", f"{people}/1/steps")
+print(client.call("POST", f"{people}/1/replay").json()["equal"])
+client.call("DELETE", f"{people}/{lin['code']}")
+client.call("DELETE", "/studies/mine")
 
 # Client.projects
 print(client.projects.all())

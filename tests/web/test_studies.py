@@ -8,7 +8,6 @@ import json
 import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import httpx
@@ -64,6 +63,13 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 def lead(server: Served) -> Iterator[Client]:
     with Client(server.url, server.workspace.labels.tokens.add("manager", "lead")) as opened:
         yield opened
+
+
+def ask(lead: Client, method: str, path: str = "", body: Any = None) -> Any:
+    """Make a call of the experimenter below ``/studies``; return its answer, as JSON if it is."""
+    answer = lead.call(method, f"/studies{path}", json=body)
+    is_json = answer.content and answer.headers["content-type"] == "application/json"
+    return answer.json() if is_json else answer.content
 
 
 @dataclass
@@ -180,17 +186,17 @@ def stroke(step: int, t: float, edit: str, label: int, frame: int) -> dict[str, 
 @pytest.fixture(scope="module")
 def people(server: Served, lead: Client) -> Iterator[list[Person]]:
     """Two participants who have finished the study; the log of the second misses a stroke."""
-    study = lead.studies.create(text=json.dumps(STUDY), id="halves")  # JSON is YAML
-    made = study.add_participants(2)
-    assert [each.conditions for each in made] == [("desk", "room"), ("room", "desk")]
-    assert made[0].link == f"{server.url}/study/{made[0].code}"
+    ask(lead, "POST", body={"text": json.dumps(STUDY), "id": "halves"})  # JSON is YAML
+    made = ask(lead, "POST", "/halves/participants", {"count": 2})
+    assert [each["conditions"] for each in made] == [["desk", "room"], ["room", "desk"]]
+    assert made[0]["link"] == f"{server.url}/study/{made[0]['code']}"
     found = []
     for each in made:
         http = httpx.Client(base_url=server.url)
-        entered = http.post(f"{API}/study/{each.code}")
+        entered = http.post(f"{API}/study/{each['code']}")
         assert (entered.status_code, entered.json()["kind"]) == (200, "consent")
-        found.append(Person(http, each.code, lead, forgets=each.number == 2))
-    pause_and_refuse(study, found[0])
+        found.append(Person(http, each["code"], lead, forgets=each["number"] == 2))
+    pause_and_refuse(lead, found[0])
     for person in found:
         person.run()
     yield found
@@ -198,16 +204,17 @@ def people(server: Served, lead: Client) -> Iterator[list[Person]]:
         person.http.close()
 
 
-def pause_and_refuse(study: Any, person: Person) -> None:
+def pause_and_refuse(lead: Client, person: Person) -> None:
     """Pause a session, and send logs with a gap and with changed records."""
     person.step(0)
-    assert study.pause(1).state == "paused"
+    path = "/halves/participants"
+    assert ask(lead, "PATCH", f"{path}/1", {"paused": True})["state"] == "paused"
     paused = [person.step() for _ in range(2)]
     assert [each["kind"] for each in paused] == ["pause", "pause"]
     assert paused[0]["elapsed_s"] == paused[1]["elapsed_s"]
     refused = person.call("POST", f"/study/{person.code}/step", {"number": 1})
     assert (refused.status_code, "paused" in refused.text) == (409, True)
-    assert study.pause(person.code, paused=False).state == "running"
+    assert ask(lead, "PATCH", f"{path}/{person.code}", {"paused": False})["state"] == "running"
     before = person.step()
     assert (before["kind"], before["condition"]["name"]) == ("instructions", "desk")
     assert person.step(0)["number"] == before["number"]  # a repeated call has no effect
@@ -221,8 +228,8 @@ def pause_and_refuse(study: Any, person: Person) -> None:
     assert (other.status_code, "record 1 is stored with other content" in other.text) == (409, True)
 
 
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(path.read_text())))
+def rows_of(table: bytes) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(table.decode())))
 
 
 def test_steps_lead_through_practice_tasks_and_questionnaires(people: list[Person]) -> None:
@@ -240,15 +247,11 @@ def test_steps_lead_through_practice_tasks_and_questionnaires(people: list[Perso
     assert all(curve[0] == (0.0, 0.0) for person in people for curve in person.curves.values())
 
 
-def test_results_equal_numbers_computed_from_exports(
-    people: list[Person], lead: Client, tmp_path: Path
-) -> None:
-    study = lead.studies["halves"]
-    assert (study.info.participants, study.info.done) == (2, 2)
-    study.results(tmp_path / "tasks.csv")
-    study.results(tmp_path / "curves.csv", curves=True)
-    study.results(tmp_path / "tasks.parquet", format="parquet")
-    rows, curves = rows_of(tmp_path / "tasks.csv"), rows_of(tmp_path / "curves.csv")
+def test_results_equal_numbers_computed_from_exports(people: list[Person], lead: Client) -> None:
+    info = ask(lead, "GET", "/halves")
+    assert (info["participants"], info["done"]) == (2, 2)
+    rows = rows_of(ask(lead, "GET", "/halves/results"))
+    curves = rows_of(ask(lead, "GET", "/halves/results?table=curves"))
     assert [(each["participant"], each["condition"], each["task"]) for each in rows] == [
         ("1", "desk", "halves"), ("1", "room", "halves"),
         ("2", "room", "halves"), ("2", "desk", "halves"),
@@ -272,16 +275,12 @@ def test_results_equal_numbers_computed_from_exports(
         # Answers 1 2 3 4 5 1 2 3 4 5: (0+3+2+1+4 + 4+1+2+3+0) 2.5 = 50, and 1 to 6 of 21 steps.
         assert (float(row["sus"]), float(row["tlx"])) == (50, pytest.approx(100 * 2.5 / 20))
         assert (row["sus_5"], row["tlx_6"], row["end_1"]) == ("5", "6", "1")
-    table = parquet.read_table(tmp_path / "tasks.parquet").to_pylist()
-    assert [str(each["iou"]) for each in table] == [each["iou"] for each in rows]
+    table = parquet.read_table(io.BytesIO(ask(lead, "GET", "/halves/results?format=parquet")))
+    assert [str(each["iou"]) for each in table.to_pylist()] == [each["iou"] for each in rows]
 
 
-def test_the_log_and_the_report_are_files(
-    people: list[Person], lead: Client, tmp_path: Path
-) -> None:
-    study = lead.studies["halves"]
-    study.log(1, tmp_path / "log.csv")
-    rows = rows_of(tmp_path / "log.csv")
+def test_the_log_and_the_report_are_files(people: list[Person], lead: Client) -> None:
+    rows = rows_of(ask(lead, "GET", "/halves/participants/1/log"))
     assert [int(each["record"]) for each in rows] == [*range(people[0].logged)]
     poses = [each for each in rows if each["kind"] == "pose"]
     assert [poses[1][f"head_{axis}"] for axis in ("x", "y", "z", "qw")] == [
@@ -291,8 +290,7 @@ def test_the_log_and_the_report_are_files(
         "1.0",
     ]
     assert (poses[0]["right_x"], poses[1]["right_x"], poses[1]["task"]) == ("", "1.0", "try")
-    study.report(tmp_path / "report.html")
-    report = (tmp_path / "report.html").read_text()
+    report = ask(lead, "GET", "/halves/report").decode()
     assert "<h1>Two halves</h1>" in report
     assert "room – desk" in report
     assert report.count("<svg") > 5
@@ -301,11 +299,12 @@ def test_the_log_and_the_report_are_files(
 def test_replay_gives_the_labels_or_the_first_difference(
     people: list[Person], lead: Client
 ) -> None:
-    study = lead.studies["halves"]
-    first, second = study.replay(1), study.replay(people[1].code)
-    assert (first.equal, first.edits, first.difference) == (True, 2 * (3 + 6), "")
-    assert not second.equal
-    assert second.difference.startswith("room, halves: the log has no record of edit ")
+    first, second = (
+        ask(lead, "POST", f"/halves/participants/{key}/replay") for key in (1, people[1].code)
+    )
+    assert first == {"equal": True, "edits": 2 * (3 + 6), "difference": ""}
+    assert not second["equal"]
+    assert second["difference"].startswith("room, halves: the log has no record of edit ")
 
 
 def test_a_step_can_be_replayed_edit_by_edit(people: list[Person], server: Served) -> None:
@@ -379,21 +378,23 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
         (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"recording": "none"}]}), "'none'"),
     ):
         with pytest.raises(PointbrushError, match=words):
-            lead.studies.create(text=text)
+            ask(lead, "POST", body={"text": text})
     with pytest.raises(ConflictError, match="without participants"):
-        lead.studies["halves"].change(text=json.dumps(STUDY))
+        ask(lead, "PUT", "/halves", {"text": json.dumps(STUDY)})
 
 
 def test_a_study_is_a_text(people: list[Person], lead: Client, server: Served) -> None:
-    halves = lead.studies["halves"].info
-    again = lead.studies.create(text=halves.text)
-    assert (again.id, again.info.study) == ("two-halves", halves.study)
-    assert again.change(json.dumps(STUDY | {"order": "random"})).study.order == "random"
+    halves = ask(lead, "GET", "/halves")
+    again = ask(lead, "POST", body={"text": halves["text"]})
+    assert (again["id"], again["study"]) == ("two-halves", halves["study"])
+    random = {"text": json.dumps(STUDY | {"order": "random"})}
+    assert ask(lead, "PUT", "/two-halves", random)["study"]["order"] == "random"
     (server.workspace.settings.workspace / "studies" / "two-halves.yaml").write_text("title: 3")
     with pytest.raises(BadInputError, match=r"two-halves: title: .*string"):
-        lead.studies.all()
-    assert again.change(halves.text).study == halves.study
-    again.delete()
+        ask(lead, "GET")
+    changed = ask(lead, "PUT", "/two-halves", {"text": halves["text"]})
+    assert changed["study"] == halves["study"]
+    ask(lead, "DELETE", "/two-halves")
 
 
 def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
@@ -419,13 +420,13 @@ def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Se
 
     assert {session.account, *identities} < found()
     assert people[1].code not in found()  # only its digest is stored
-    lead.studies["halves"].delete_participant(people[1].code)
+    ask(lead, "DELETE", f"/halves/participants/{people[1].code}")
     assert found() == set()
     assert people[1].call("GET", f"/study/{people[1].code}/step").status_code == 401
     assert people[1].call("GET", "/sequences").status_code == 401
-    assert [each.number for each in lead.studies["halves"].participants()] == [1]
-    assert lead.studies["halves"].replay(1).equal
-    lead.studies["halves"].delete()
-    assert lead.studies.all() == []
+    assert [each["number"] for each in ask(lead, "GET", "/halves/participants")] == [1]
+    assert ask(lead, "POST", "/halves/participants/1/replay")["equal"]
+    ask(lead, "DELETE", "/halves")
+    assert ask(lead, "GET") == []
     assert [each.id for each in lead.sequences()] == ["wall"]
     assert not any((folder / "studies").iterdir())

@@ -27,7 +27,6 @@ from pointbrush.client.projects import Project, Projects
 from pointbrush.client.recording import Recording
 from pointbrush.client.review import Review
 from pointbrush.client.steps import PATIENCE
-from pointbrush.client.studies import Studies, Study
 from pointbrush.client.watching import Doubt, Watch
 from pointbrush.values.boxes import BoxPose, FittedBoxes
 from pointbrush.values.classifiers import Classifier, HeldOut, Place
@@ -48,7 +47,6 @@ from pointbrush.values.labels import Label
 from pointbrush.values.objects import Candidate
 from pointbrush.values.people import FoundPeople, FoundPerson, LabelledPeople, PersonPoints
 from pointbrush.values.recordings import Bounds, Manifest
-from pointbrush.values.study import NewParticipant, Participant, Replay, SessionStep, StudyInfo
 from pointbrush.values.taxonomy import BoxAttribute, Category
 from pointbrush.values.team.accounts import Account, NewToken, Token
 from pointbrush.values.team.projects import ClassFigures, PersonFigures, ProjectInfo, Statistics
@@ -125,9 +123,7 @@ __all__ = [
     "LabelImportOptions",
     "LabelledPeople",
     "Manifest",
-    "NewParticipant",
     "NewToken",
-    "Participant",
     "PastEdit",
     "PersonFigures",
     "PersonPoints",
@@ -137,18 +133,13 @@ __all__ = [
     "ProjectInfo",
     "Projects",
     "Recording",
-    "Replay",
     "Review",
     "Run",
     "Score",
     "SecretWebhook",
-    "SessionStep",
     "Snapshot",
     "Standing",
     "Statistics",
-    "Studies",
-    "Study",
-    "StudyInfo",
     "Task",
     "TaskEvent",
     "Token",

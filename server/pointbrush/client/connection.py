@@ -33,7 +33,6 @@ from pointbrush.client.steps import (
     started,
     steps,
 )
-from pointbrush.client.studies import Studies
 from pointbrush.client.uploads import AnyPath, Files, ImportKeywords, upload
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.values.exports import ExportFormat
@@ -227,11 +226,6 @@ class Server(Part[L]):
     def headset_reports(self) -> HeadsetReports[L]:
         """The reports of headset checks."""
         return HeadsetReports(self._link)
-
-    @property
-    def studies(self) -> Studies[L]:
-        """The studies of labelling."""
-        return Studies(self._link)
 
     @property
     def projects(self) -> Projects[L]:
