@@ -118,15 +118,12 @@ def _named(session: Session, step: PlannedStep) -> Row:
 def _scores(steps: Sequence[PlannedStep], finished: Sequence[FinishedStep]) -> dict[str, Row]:
     """Return scores and answers of questionnaires by condition; "": of the whole study."""
     rows: dict[str, Row] = {"": {}}
-    for number, step in enumerate(steps):
-        if step.questionnaire is None:
-            continue
-        name, items = step.questionnaire.name, step.questionnaire.items
-        row = rows.setdefault(step.condition.name if step.condition else "", {})
-        answers = finished[number].answers if number < len(finished) else None
-        row[name] = None if answers is None else score(items, answers)
-        for place in range(len(items)):
-            row[f"{name}_{place + 1}"] = None if answers is None else answers[place]
+    for step, (*_, answers) in zip(steps, finished, strict=False):
+        if step.questionnaire:
+            name, items = step.questionnaire.name, step.questionnaire.items
+            row = rows.setdefault(step.condition.name if step.condition else "", {})
+            row[name] = score(items, answers)
+            row |= {f"{name}_{place}": answer for place, answer in enumerate(answers, 1)}
     return rows
 
 
