@@ -84,8 +84,7 @@ class StudyTask(Body, Complete):
     labels: Annotated[tuple[Name, ...], Rule(min_length=1, max_length=100)]
     """Names of the labels to reach, of the recording's palette."""
     truth: Annotated[str, Rule(max_length=64)] = ""
-    """Id of a snapshot or of a recording with the same points, whose labels are the ground truth;
-    empty: the labels of the recording itself."""
+    """Id of a snapshot whose labels are the ground truth; empty: the labels of today."""
     time_limit_s: Seconds | None = None
     """Time after which the task ends, seconds without pauses; null: none."""
     stop: Literal["button", "time", "iou"] = "button"

@@ -1489,7 +1489,7 @@ export interface StudyTask {
   readonly frames: string;
   /** Names of the labels to reach, of the recording's palette. */
   readonly labels: readonly string[];
-  /** Id of a snapshot or of a recording with the same points, whose labels are the ground truth; empty: the labels of the recording itself. */
+  /** Id of a snapshot whose labels are the ground truth; empty: the labels of today. */
   readonly truth: string;
   /** Time after which the task ends, seconds without pauses; null: none. */
   readonly time_limit_s: number | null;

@@ -41,26 +41,12 @@ def truth_of(store: WorkspaceStore, library: Library, task: StudyTask) -> Frames
 
     Raises NotFoundError for an unknown recording or snapshot.
     """
-    recording, frames = library.recording(task.recording), frames_of(library, task)
+    recording, frames = task.recording, frames_of(library, task)
     if not task.truth:
-        return {frame: shown(store.values(task.recording, frame)) for frame in frames}
-    if not library.has(task.truth):
-        past = store.at(store.versions.moment(task.truth, task.recording))
-        counts = recording.manifest.points
-        return {
-            frame: shown(past.values(task.recording, frame, 0, counts[frame])) for frame in frames
-        }
-    other = library.recording(task.truth)
-    names = {each.name: each.id for each in store.palette(task.recording)}
-    ids = np.zeros(1 << 16, np.uint16)
-    for label in store.palette(task.truth):
-        ids[label.id] = names.get(label.name, 0)
-    return {
-        frame: ids[other[frame].to_source(shown(store.values(task.truth, frame)))][
-            recording[frame].source_index
-        ]
-        for frame in frames
-    }
+        return {frame: shown(store.values(recording, frame)) for frame in frames}
+    past = store.at(store.versions.moment(task.truth, recording))
+    counts = library.recording(recording).manifest.points
+    return {frame: shown(past.values(recording, frame, 0, counts[frame])) for frame in frames}
 
 
 class Overlap:

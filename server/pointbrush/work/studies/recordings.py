@@ -1,4 +1,4 @@
-"""The recordings of a study: generated samples with their labels, and copies of participants."""
+"""The recordings of a study, of which generated samples have their true labels."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError
 from pointbrush.labels import Label, Write
 from pointbrush.labels.types import IMPORTED
@@ -17,7 +16,6 @@ from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.study import StudyTask
 from pointbrush.work.imports.source_labels import edit_of
 from pointbrush.work.library import Library
-from pointbrush.work.projects.copies import make_copy
 from pointbrush.work.studies.overlap import frames_of, ids_of, truth_of
 
 MOST_FRAMES = 30
@@ -77,11 +75,3 @@ def _truths(library: Library, sequence: str, sample: Sample) -> Iterator[tuple[i
         truth = sample.truth[frame][recording[frame].source_index]
         held = np.flatnonzero(truth)
         yield frame, Write(held, label=truth[held], provenance=IMPORTED)
-
-
-def copy_for(store: WorkspaceStore, library: Library, task: StudyTask) -> str:
-    """Return the id of a new copy of a task's recording without labels of points."""
-    project = store.team.summaries.project(task.recording) or FIRST
-    return make_copy(
-        store, library, task.recording, project, range(0), "study", labels=set(task.labels)
-    )

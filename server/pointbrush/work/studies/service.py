@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from pointbrush.database.project_tables import FIRST
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Session
@@ -25,10 +26,11 @@ from pointbrush.values.study import (
     StudyTask,
 )
 from pointbrush.work.library import Library
+from pointbrush.work.projects.copies import make_copy
 from pointbrush.work.studies.design import PlannedStep, conditions_of, plan, require_answers
 from pointbrush.work.studies.files import TEMPLATES, StudyFiles, parse
 from pointbrush.work.studies.overlap import Overlap, Point, frames_of, ids_of, shown, truth_of
-from pointbrush.work.studies.recordings import copy_for, require_task
+from pointbrush.work.studies.recordings import require_task
 from pointbrush.work.studies.replaying import replay
 from pointbrush.work.studies.report import to_html
 from pointbrush.work.studies.results import (
@@ -222,7 +224,11 @@ class Studies:
         with self._copying:
             known = self._rows.copies(self._rows.session(account)).get(step.copy)
             if known is None:
-                known = copy_for(self._store, self._library, step.task)
+                sequence, labels = step.task.recording, set(step.task.labels)
+                project = self._store.team.summaries.project(sequence) or FIRST
+                known = make_copy(
+                    self._store, self._library, sequence, project, range(0), "study", labels
+                )
                 self._rows.keep_copy(account, step.copy, known)
                 self._store.team.access.forget()
         return known
