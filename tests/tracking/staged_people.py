@@ -89,10 +89,11 @@ def staged(*bodies: tuple[np.ndarray, np.ndarray], coloured: bool = True) -> Per
         frame=SimpleNamespace(rgb=True if coloured else None),
         xyz=middle[cell],
         cells=SimpleNamespace(cell=np.append(np.full(len(cell), 50), [0, 99])),
-        camera=SimpleNamespace(shape=(1, 100)),
+        image_shape=(1, 100),
         colour=lambda points: colour[cell[points]],
+        range_to=lambda xyz: xyz[:, 2],
         depth=np.full(1, np.inf),
-        project=lambda xyz: (np.zeros(len(xyz), np.int64), xyz[:, 2]),
+        sees_through=lambda xyz, margin: view.depth[0] > xyz[:, 2] + margin,
         hides=lambda xyz, _: np.zeros(len(xyz), np.bool_),
     )
     return PersonObservation(cast(View, view), cells, np.eye(3)[:, [0, 2]], UP, cell[:0])

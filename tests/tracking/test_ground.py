@@ -50,7 +50,9 @@ def test_a_kerb_is_ground_and_what_stands_on_it_is_none() -> None:
 def test_ground_under_a_thing_is_taken_only_by_what_was_painted_with_it(with_it: bool) -> None:
     xyz, truth = street()
     beside = (np.hypot(xyz[:, 0] - 2, xyz[:, 1] - 5.5) < 0.35) & (truth == 0)
-    frame = SimpleNamespace(xyz=xyz, rgb=None, intensity=None, viewpoint=None, pose=None)
+    frame = SimpleNamespace(
+        xyz=xyz, rgb=None, intensity=None, viewpoint=None, pose=None, sensor=None
+    )
     view = View(1, frame, None, OPTIONS, np.eye(4), np.zeros(3))
     mine = np.flatnonzero((truth == 1) | (beside if with_it else False))
     track = begin(view, 1, mine, 0.05, NO_RIVALS)

@@ -22,6 +22,8 @@ DEFINITIONS = {
     "duplicates.py": {"REMEMBERED"},  # size of a cache, in frames
     "steps/propose.py": {"OPPOSITE", "ALONG"},  # rounding of directions
     "compute/columns.py": {"PER_COLUMN"},  # layout of a search grid
+    "anew/label.py": {"OTHER", "BACKGROUND", "CLUTTER"},  # columns of the posterior
+    "anew/priors.py": {"PRIORS"},  # options of the method in development
     "compute/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR", "RUN"},  # likewise
     "interface.py": {"PAINTED", "USUAL_FPS"},  # code of a provenance
     "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram
@@ -36,6 +38,7 @@ DEFINITIONS = {
     "scene/depth.py": {"NEVER"},  # more than any number of frames
     "registry.py": {"COLOUR_NEIGHBOURS"},  # of the paper's method
     "permissions.py": {"FEWEST"},  # part of the label store's contract
+    "sensors/sights.py": {"GAP"},  # layout of a depth image
     "sensors/visual_odometry.py": {"SPREAD"},  # 1.4826
     "sensors/view.py": {"WHITE"},  # 3 * 255
 }
