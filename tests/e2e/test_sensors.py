@@ -118,6 +118,7 @@ def test_in_the_headset_a_stroke_leaves_the_points_of_a_hidden_sensor(
         headset.settled()
         expected = {1, 2} if hidden else {0, 1, 2}
         eventually(lambda expected=expected: painted(server) == expected)
+        headset.until("pb.state.undo.value !== null")
         headset.click("palette", headset.ask("pb.state.undo.value"))
         eventually(lambda: painted(server) == set())
     headset.close()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pointbrush.values.base import Body, Complete, Rule, Value
+from pointbrush.values.base import Body, Complete, Meanings, Rule, Value
 from pointbrush.values.kinds import FrameRange, LabelId, Name, SequenceName, Share
 
 MOST_RECORDS = 1_000
@@ -41,9 +41,20 @@ Properties = Annotated[
 
 FileKind = Literal["csv", "parquet", "json"]
 Phase = Literal["navigation", "painting", "waiting"]
-StepKind = Literal[
-    "consent", "instructions", "practice", "task", "questionnaire", "pause", "done"
-]  # fmt: skip
+StepKind = Annotated[
+    Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"],
+    Meanings(
+        {
+            "consent": "to agree to",
+            "instructions": "of a condition or task",
+            "practice": "a task that is not measured",
+            "task": "a measured task",
+            "questionnaire": "to answer",
+            "pause": "by the experimenter",
+            "done": "the end",
+        }
+    ),
+]
 RecordKind = Literal[
     "stroke", "click", "undo", "redo", "level", "label", "playback", "pose", "frame_time",
     "device", "phase",
@@ -246,8 +257,7 @@ class StudyStep(Value):
     count: int
     """Number of steps."""
     kind: StepKind
-    """`consent` to agree to, `instructions` of a condition or task, `practice` (not measured),
-    `task`, `questionnaire`, `pause` by the experimenter, or `done`."""
+    """Kind of the step."""
     text: str
     """Text to show: of the consent, the condition or the task."""
     condition: Condition | None

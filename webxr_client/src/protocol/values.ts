@@ -949,7 +949,7 @@ export interface NewParticipant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. */
+  /** Kind of the current step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -963,16 +963,6 @@ export interface NewParticipant {
   readonly code: string;
   /** Address to open, with the code. */
   readonly link: string;
-}
-
-/** A study to be created or to replace one: the text of its file, or a template. */
-export interface NewStudy {
-  /** Name in URLs of a new study; null: derived from the title. */
-  readonly id?: string | null;
-  /** The study as YAML, of which JSON is a part. */
-  readonly text?: string;
-  /** Study of the package instead: ``desk-or-headset`` or ``brush-or-object-tool``. */
-  readonly template?: string;
 }
 
 /** Tasks to create. */
@@ -1057,7 +1047,7 @@ export interface Participant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. */
+  /** Kind of the current step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -1449,7 +1439,7 @@ export interface StudyStep {
   readonly number: number;
   /** Number of steps. */
   readonly count: number;
-  /** `consent` to agree to, `instructions` of a condition or task, `practice` (not measured), `task`, `questionnaire`, `pause` by the experimenter, or `done`. */
+  /** Kind of the step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Text to show: of the consent, the condition or the task. */
   readonly text: string;

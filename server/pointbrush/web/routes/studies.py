@@ -34,7 +34,9 @@ StudyId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="s
 Key = Annotated[
     str, Path(pattern=r"^[\w-]{1,64}$", description="number or code of the participant")
 ]
-Table = Annotated[FileKind, Query(alias="format", description="kind of file")]
+Table = Annotated[
+    FileKind, Query(alias="format", description="kind of file: `csv`, `parquet` or `json`")
+]
 MEDIA_TYPES = {
     "csv": "text/csv",
     "parquet": "application/vnd.apache.parquet",
