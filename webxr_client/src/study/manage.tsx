@@ -48,7 +48,7 @@ async function load(): Promise<void> {
   participants.value = await api<Participant[]>('GET', place('/participants'));
 }
 
-/** Change something, and load again what is shown. */
+/** Send a change, and load the shown study again. */
 async function act(failure: string, work: () => Promise<unknown>): Promise<void> {
   await attempt(failure, work);
   await attempt('The studies did not load', load);

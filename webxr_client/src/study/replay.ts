@@ -31,7 +31,7 @@ export class Replay {
   /** Revision after each edit of the step, by the edit's id. */
   private revisions = new Map<string, number>();
   private last = NaN;
-  /** Recording, frame, revision and points that the picture should show, and those that it shows. */
+  /** Recording, frame, revision and points to show, and the shown ones. */
   private wanted = '';
   private applied = '';
   private fetching = false;

@@ -1,4 +1,4 @@
-/** A participant's session: the current step, its time, and what it makes of the page. */
+/** A participant's session: the current step, its time, and its limits of the page. */
 import { studyCode } from '../common/checking';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
