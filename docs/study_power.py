@@ -1,4 +1,4 @@
-"""Print the power table of docs/howto/study.md: ``python docs/study_power.py``."""
+"""Print the power table of docs/study-measures.md: ``python docs/study_power.py``."""
 
 from __future__ import annotations
 

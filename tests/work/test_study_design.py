@@ -80,7 +80,7 @@ def test_the_power_table_agrees_with_the_noncentral_t_distribution() -> None:
         limit = stats.t.ppf(0.975, count - 1)
         exact = stats.nct.sf(limit, count - 1, d * np.sqrt(count))
         assert power(count, d, paired=True) == pytest.approx(exact, abs=0.025)
-    assert table() in (ROOT / "docs" / "howto" / "study.md").read_text()
+    assert table() in (ROOT / "docs" / "study-measures.md").read_text()
 
 
 def test_shares_of_phases_fill_a_task() -> None:
