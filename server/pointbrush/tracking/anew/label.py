@@ -241,7 +241,7 @@ def _other_energy(
     birth = np.where(open_, np.where(closed, priors.pocket_nats, priors.open_nats), whole)
     stayed = 1.0 / (1.0 + np.exp((priors.was_there_share - was_there) / 0.07))
     birth = np.maximum(birth - priors.was_there_nats * stayed, priors.open_nats)
-    # What a closed component is beside the known surface was missed before, and moved along.
+    # Unknown surface of a closed component was missed before: no other mover explains it.
     alone = ~open_ & fast
     surface = np.where(alone, np.maximum(surface, priors.other_closed_nats), surface)
     off = np.where(alone, birth, np.minimum(surface, birth))

@@ -141,7 +141,7 @@ def begin(view: View, label: int, indices: I64, noise: float) -> Track:
 
 
 def in_its_place(track: Track, view: View, tracks: list[Track]) -> Track:
-    """Return the track with its other movers, and colours told apart from what is around."""
+    """Return the track with its other movers, and with colours compared to its surroundings."""
     options = view.options
     unlabelled = ~view.labelled()
 

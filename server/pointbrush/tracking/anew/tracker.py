@@ -98,7 +98,7 @@ class Run:
         return np.full(len(world), reach, np.float32)
 
     def start(self) -> FrameResult:
-        """Begin the tracks from what was painted."""
+        """Begin the tracks from the painted points."""
         view = self.scene.first
         view.labels = {seed.label: np.sort(seed.indices) for seed in self.seeds}
         made = {
