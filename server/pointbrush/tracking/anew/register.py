@@ -17,6 +17,7 @@ from pointbrush.tracking.compute.rigid import excess, transform, transform_each
 from pointbrush.tracking.interface import F64, I64, Mask
 from pointbrush.tracking.model.registration import Registration
 from pointbrush.tracking.scene.depth import Background
+from pointbrush.tracking.sensors.sights import any_of
 from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import claim
 from pointbrush.tracking.steps.predict import crop, share_out
@@ -128,8 +129,8 @@ def hidden_at_rest(track: Track, view: View) -> bool:
     options, count = track.options, len(track.model.xyz)
     some = np.arange(0, count, max(1, count // options.search.coarse_points))
     at = look(track.as_auto, view, some, track.motion.resting_pose[None])
-    cell, _ = view.project(at.world[0])
-    shown = at.seen[0] & np.isfinite(view.depth[cell])
+    measured = any_of(np.isfinite(view.depth[cell]) for cell, _ in view.project(at.world[0]))
+    shown = at.seen[0] & measured
     return float(shown.mean()) < options.register.open_share * float(at.facing[0])
 
 

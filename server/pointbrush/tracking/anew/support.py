@@ -58,7 +58,7 @@ class Support:
         number = np.full(len(self.view.depth), -1, np.int32)
         number[cell] = np.arange(len(cell), dtype=np.int32)
         number[-1] = -1
-        height, width = self.view.camera.shape
+        height, width = self.view.image_shape
         energy = self.energy
         return _linked(
             cell, depth, self.colour, number, (height, width),
@@ -97,7 +97,7 @@ class Support:
         energy = self.energy
         unit, is_node = self.unit, self.view.marked(self.index)
         return _neighbours(
-            cell, depth, self.view.depth, is_node, self.view.camera.shape,
+            cell, depth, self.view.depth, is_node, self.view.image_shape,
             energy.level_units * unit, energy.behind_units * unit, energy.joined_units * unit,
         )  # fmt: skip
 
