@@ -89,7 +89,7 @@ def _arrays(
 
 
 def _mounts(frame: PointFrame) -> NDArray[np.float64]:
-    """Return the mounts (S, 4, 4) of all sensors, the identity for those without a part."""
+    """Return the mounts (S, 4, 4) of all sensors; a sensor without a part has the identity."""
     mounts = np.tile(np.eye(4), (len(frame.sensors), 1, 1))
     for part in frame.parts:
         mounts[part.sensor] = part.T_frame_sensor

@@ -375,7 +375,7 @@ class LogPosition(Value):
 
 @dataclass(frozen=True, slots=True)
 class Replay(Value):
-    """Comparison of the labels of a session with those that its log leads to."""
+    """Comparison of the labels of a session with the result of its log."""
 
     equal: bool
     """All labels are equal, bit for bit."""

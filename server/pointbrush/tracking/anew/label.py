@@ -21,7 +21,7 @@ from pointbrush.tracking.sensors.view import View
 from pointbrush.tracking.steps.claim import Claim, claim
 
 OTHER, BACKGROUND, CLUTTER = -3, -2, -1
-"""Columns of the posterior after those of the tracks."""
+"""Last columns of the posterior, behind one column a track."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ class EnergyOptions(Options):
     link_colour: PositiveFloat = 0.12  # deviation of colours of linked neighbours
     link_floor: float = 0.3  # share of a link that no colour cuts
     sweeps: PositiveInt = 12  # sweeps of the mean field at most
-    open_sizes: float = 1.0  # sizes of a slow object from which what touches it is open
+    open_sizes: float = 1.0  # sizes of a slow object from which a component beside it is open
     longer_radii: float = 2.0  # radii around a moving object that components are followed
     far_radii: float = 3.0  # radii from known surface within which new surface may lie
     close_reaches: float = 6.0  # reaches from the model within which distances are exact
@@ -76,7 +76,7 @@ class EnergyOptions(Options):
 
 @dataclass(frozen=True, slots=True)
 class NextOptions:
-    """All numbers of `auto-next` beside those it shares with `auto`."""
+    """The numbers of `auto-next` that `auto` does not have."""
 
     priors: Mapping[Kind, Priors] = field(default_factory=lambda: PRIORS)
     energy: EnergyOptions = field(default_factory=EnergyOptions)

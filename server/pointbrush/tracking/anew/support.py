@@ -67,7 +67,7 @@ class Support:
         )  # fmt: skip
 
     def around(self, some: Mask) -> tuple[I64, Paths]:
-        """Return nodes (A,): the marked ones and those linked to them, and their weighted links."""
+        """Return the marked nodes with their neighbours (A,), and their weighted links."""
         links, weight, _ = self._links
         either = some[links].any(axis=1)
         kept = some.copy()

@@ -57,7 +57,7 @@ class Track:
 
     @property
     def as_auto(self) -> AutoTrack:
-        """The track for the steps of `auto`, which read only what both kinds of track have."""
+        """The track for the steps of `auto`, which read only fields of both kinds of track."""
         return cast(AutoTrack, self)
 
     @property

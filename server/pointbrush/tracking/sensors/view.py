@@ -89,7 +89,7 @@ class View:
 
     @cached_property
     def sights(self) -> tuple[Sight, ...]:
-        """The frame's sensors.  Of several, those that show which points are occluded, if any."""
+        """The frame's sensors; of several, the ones with a depth or range image, if any."""
         if self.frame.sensor is None:
             lens = self.lens if isinstance(self.lens, Lens) else None
             return (Sight(self.eye, lens, self.shade if lens is None else None),)

@@ -129,7 +129,7 @@ def items_of(questionnaire: Questionnaire) -> tuple[QuestionItem, ...]:
 
 
 def require_answers(step: PlannedStep, answers: Sequence[int]) -> None:
-    """Raise BadInputError unless the answers are those of all items of a step."""
+    """Raise BadInputError unless each item of a step has a valid answer."""
     items = step.questionnaire.items if step.questionnaire else ()
     if len(answers) != len(items):
         raise BadInputError(f"answers: expected {len(items)}, got {len(answers)}")

@@ -32,7 +32,7 @@ LAYERS = ("label", "provenance", "confidence", "deleted")
 def replay(
     store: WorkspaceStore, copies: Mapping[str, tuple[Recording, Sequence[Record]]]
 ) -> Replay:
-    """Compare the labels of copies with those that their records lead to.
+    """Compare the labels of copies with the result of their records.
 
     ``copies``: recording and records by a name for people.
     """
@@ -53,7 +53,7 @@ def replay(
 def _apply_all(
     store: WorkspaceStore, fresh: LabelStore, recording: Recording, records: Sequence[Record]
 ) -> int:
-    """Apply the edits of the records; raises ConflictError if they are not those of the labels."""
+    """Apply the edits of the records; raises ConflictError if the labels have other edits."""
     sequence = recording.manifest.id
     fresh.recordings.register(sequence, recording.manifest.points)
     for label in store.palette(sequence):

@@ -275,7 +275,7 @@ class Studies:
         ]
 
     def replay(self, study: str, key: str) -> Replay:
-        """Compare the labels of a participant with those that their log leads to."""
+        """Compare the labels of a participant with the result of their log."""
         records = by_step(self._rows.log(self._rows.get(study, key).account))
         copies = {
             f"{step.condition}, {step.task}": (
