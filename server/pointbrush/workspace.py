@@ -377,7 +377,7 @@ class Workspace:
             known = ", ".join(sorted(formats.EXPORTS))
             raise BadInputError(f"format: expected one of {known}, got {export_format!r}")
         if sensor is not None:
-            exporting.require_sensor(recording, sensor, export_format)
+            exporting.require_sensor(recording, sensor)
         split = exporting.choose_split(export_format, val, recording, self.library.listed_ids)
         chosen = exporting.parse_frames(frames, len(recording))
         exporting.require_whole(recording, chosen)
@@ -392,7 +392,7 @@ class Workspace:
         if formats.EXPORTS[export_format].pictures:
             from pointbrush.work.masks.exporting import masked_frames  # imports readers
 
-            labeled = masked_frames(labeled, recording, chosen)
+            labeled = masked_frames(labeled, recording, chosen, sensor)
         if sensor is not None:
             labeled = formats.sensor_frames(labeled, sensor)
         palette = kept.palette(sequence)

@@ -120,8 +120,10 @@ def test_three_depth_cameras_come_in_and_out(
     assert np.array_equal(np.reshape(told["T_frame_sensor"], (4, 4)), MOUNTS["left"])
     with pytest.raises(BadInputError, match="expected one of left, middle, right, got 'top'"):
         recording.export("npz", tmp_path / "none.zip", sensor="top")
-    with pytest.raises(BadInputError, match="expected a format of points or boxes"):
-        recording.export("masks-png", tmp_path / "none.zip", sensor="left")
+    masks = recording.export("masks-png", tmp_path / "masks.zip", sensor="middle")
+    with zipfile.ZipFile(masks) as packed:
+        names = [name for name in packed.namelist() if name.startswith("labels/")]
+        assert names == [f"labels/depth-middle/{frame:06d}.png" for frame in range(4)]
 
 
 def test_two_lidars_of_a_bag_come_in_and_out(client: Client, inbox: Path, tmp_path: Path) -> None:

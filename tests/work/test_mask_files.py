@@ -20,7 +20,7 @@ from PIL import Image
 from pointbrush.errors import BadInputError
 from pointbrush.formats.cameras.pictures import Camera, PictureSource, picture
 from pointbrush.formats.times.matching import Origin
-from pointbrush.frame import DepthCamera, PointFrame
+from pointbrush.frame import DepthCamera, FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.labels import Label, Write
 from pointbrush.labels.classes.palette import default_color
 from pointbrush.labels.types import IMPORTED, PAINTED
@@ -102,6 +102,16 @@ def lidar_frame(index: int) -> tuple[PointFrame, NDArray[np.uint16]]:
     return PointFrame((rays * reach[:, None]).astype(np.float32), viewpoint=np.zeros(3)), label
 
 
+def mounted_frame(index: int) -> tuple[PointFrame, NDArray[np.uint16]]:
+    """The lidar with the depth camera two metres ahead of it; and the labels of both."""
+    (lidar, of_lidar), (depth, of_depth) = lidar_frame(index), depth_frame(index)
+    ahead = np.linalg.inv(AHEAD)
+    ahead[0, 3] = 2.0
+    parts = [(FramePart(0, np.eye(4)), lidar), (FramePart(1, ahead), depth)]
+    rig = (Sensor("roof", "spinning"), Sensor("hand", "depth"))
+    return join_sensors(rig, parts), np.concatenate([of_lidar, of_depth])
+
+
 def photograph(size: tuple[int, int]) -> bytes:
     packed = io.BytesIO()
     Image.new("RGB", size, (90, 90, 90)).save(packed, "JPEG")
@@ -109,12 +119,13 @@ def photograph(size: tuple[int, int]) -> bytes:
 
 
 Truth = Callable[[int], tuple[PointFrame, NDArray[np.uint16]]]
-KINDS: dict[str, Truth] = {"kinect": depth_frame, "lidar": lidar_frame}
+KINDS: dict[str, Truth] = {"kinect": depth_frame, "lidar": lidar_frame, "mounted": mounted_frame}
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A workspace with recordings of a depth camera and of a lidar with cameras, twice each."""
+    """A workspace with recordings of a depth camera and of a lidar with cameras, twice each, and
+    one of both."""
     folder = tmp_path_factory.mktemp("made")
     photo = photograph(SIZE)
 
@@ -123,9 +134,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
             for camera in CAMERAS:
                 yield picture(frame, camera, photo, "photo")
 
-    taken = {"lidar": PictureSource(CAMERAS, pictures)}
-    for name in ("kinect", "lidar"):
-        for suffix in ("", "-again"):
+    taken = dict.fromkeys(("lidar", "mounted"), PictureSource(CAMERAS, pictures))
+    for name in KINDS:
+        for suffix in ("", "-again")[: 1 if name == "mounted" else 2]:
             import_frames(
                 (KINDS[name](frame)[0] for frame in range(FRAMES)),
                 folder / "sequences" / f"{name}{suffix}",
@@ -264,6 +275,33 @@ def test_coco_masks_have_tracks_areas_and_boxes(workspace: Workspace, tmp_path: 
     x, y, width, height = man["bbox"]
     assert 0.7 * width * height < man["area"] <= width * height
     assert 150 < x < 320 < y + height
+
+
+def masks_in(place: Path) -> dict[str, list[Any]]:
+    """The masks of labels of an export, by their file names."""
+    place = place / "labels"
+    return {
+        path.relative_to(place).as_posix(): np.asarray(Image.open(path)).tolist()
+        for path in place.rglob("*.png")
+    }
+
+
+def test_masks_of_one_of_several_sensors_have_only_its_points(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    """They are those of a recording of this sensor alone, and no depth image of another."""
+    found = {}
+    for name in KINDS:
+        painted(workspace, name)
+        for sensor in ("roof", "hand") if name == "mounted" else (None,):
+            out = tmp_path / (sensor or name)
+            workspace.export(name, "masks-png", out, sensor=sensor)
+            found[sensor or name] = masks_in(out)
+    assert found["roof"] == found["lidar"]
+    of_depth = {name.replace("-hand", ""): mask for name, mask in found["hand"].items()}
+    assert of_depth.keys() == found["kinect"].keys() | found["lidar"].keys()
+    for name, mask in found["kinect"].items():
+        assert of_depth[name] == mask
 
 
 def of_pixels(folder: Path, value: int, frames: int = FRAMES, size: tuple[int, int] = SIZE) -> None:

@@ -78,11 +78,8 @@ def _parts(stored: StoredFrame, shift: ListOf[float]) -> tuple[FramePart, ...]:
     return tuple(parts)
 
 
-def require_sensor(recording: Sequence, name: str, format: str) -> None:
-    """Raise BadInputError unless ``name`` is one of several sensors of a recording, and the format
-    has points or boxes of it."""
-    if formats.EXPORTS[format].pictures:
-        raise BadInputError(f"sensor: expected a format of points or boxes with it, got {format}")
+def require_sensor(recording: Sequence, name: str) -> None:
+    """Raise BadInputError unless ``name`` is one of several sensors of a recording."""
     known = [sensor.name for sensor in recording.manifest.sensors]
     if name not in known:
         raise BadInputError(
