@@ -260,13 +260,23 @@ def test_older_servers_open_recordings_of_one_sensor_only(stored_rig: Path, tmp_
         parse_manifest(data, "s")
 
 
-def test_large_frames_of_several_sensors_are_refused(
+def test_several_sensors_have_more_points_than_a_frame_of_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """The frame is no octree: it has depth images, and is exported whole."""
     monkeypatch.setattr(importer, "LARGE_POINTS", 100)
-    with pytest.raises(BadInputError, match="at most 100 points in a frame of several sensors"):
-        put([frame_of({0: 60, 1: 60}, 0)], tmp_path / "s")
-    assert not (tmp_path / "s").exists()
+    monkeypatch.setattr(importer, "JOINED_POINTS", 250)
+    frame = frame_of({0: 100, 1: 60}, 0)
+    (stored,) = put([frame], tmp_path / "s")
+    assert not stored.large
+    assert stored.sensor_xyz().tobytes() == frame.sensor_xyz.tobytes()
+    for counts, said in (
+        ({0: 60, 1: 101}, "sensor right: expected at most 100 points in a frame .*, got 101"),
+        ({0: 90, 1: 90, 2: 90}, "^expected at most 250 points in a frame .*, got 270: leave out"),
+    ):
+        with pytest.raises(BadInputError, match=said):
+            put([frame_of(counts, 0)], tmp_path / "refused")
+        assert not (tmp_path / "refused").exists()
 
 
 def test_a_depth_camera_that_begins_later_has_a_lattice(tmp_path: Path) -> None:

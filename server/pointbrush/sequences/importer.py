@@ -35,7 +35,12 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 
 LARGE_POINTS = 4_000_000
-"""A frame of more points than this becomes an octree, and has no k-d tree."""
+"""A frame of more points than this becomes an octree, and has no k-d tree.
+
+A frame of several sensors never does: each may have so many points.
+"""
+JOINED_POINTS = 16_000_000
+"""Most points in a frame of several sensors, which is read whole: about a gigabyte of memory."""
 
 _PART_POINTS = 1_000_000
 _THREADS = WORKERS + 1
@@ -127,7 +132,6 @@ def join(parts: list[PointFrame]) -> PointFrame:
 
     Raises BadInputError when the parts' fields differ.
     """
-    _require_one_sensor(parts[0])
     columns: dict[str, Any] = {}
     for name in ("xyz", *POINT_FIELDS):
         given = [getattr(part, name) for part in parts]
@@ -181,8 +185,9 @@ def _store_all(
 
 
 def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Record:
-    if len(frame) > LARGE_POINTS:
-        _require_one_sensor(frame)
+    if frame.sensors:
+        _require_small(frame)
+    elif len(frame) > LARGE_POINTS:
         beside = write_source_fields(folder, index, replace(frame, other={}, header=None))
         stored = _store_large(split(frame), index, grid, folder, len(frame), _silent)
         return replace(stored, checksums=stored.checksums | beside)
@@ -199,12 +204,18 @@ def _store_frame(frame: PointFrame, index: int, grid: Grid, folder: Path) -> Rec
     return replace(stored, side_error=encoded.side_error, color_error=encoded.color_error)
 
 
-def _require_one_sensor(frame: PointFrame) -> None:
-    if frame.sensors:
-        raise BadInputError(
-            f"expected at most {LARGE_POINTS:,} points in a frame of several sensors, "
-            f"got {len(frame):,}: leave out sensors, or import each on its own"
-        )
+def _require_small(frame: PointFrame) -> None:
+    """Raise BadInputError if a frame of several sensors, or one of them, has too many points."""
+    names = [f"sensor {sensor.name}: " for sensor in frame.sensors]
+    counts = np.bincount(frame.sensor, minlength=len(names)).tolist()  # type: ignore[arg-type]
+    limits = [("", len(frame), JOINED_POINTS)]
+    limits += [(name, n, LARGE_POINTS) for name, n in zip(names, counts, strict=True)]
+    for name, count, most in limits:
+        if count > most:
+            raise BadInputError(
+                f"{name}expected at most {most:,} points in a frame of several sensors, "
+                f"got {count:,}: leave out sensors, or import each on its own"
+            )
 
 
 def _store_large(
