@@ -49,8 +49,23 @@ def test_given_mounts_are_wrong_by_the_given_errors_but_for_the_first() -> None:
         Stage(3, 1, StageOptions(cameras=1))
 
 
+def test_depths_have_the_noise_of_a_kinect() -> None:
+    """Its standard deviation is about 1.5 - 0.5 z + 0.3 z² mm at z metres (Fankhauser et al.)."""
+    measured, exact = (
+        Stage(3, 1, StageOptions(), noise=noise).views[1].frame(0) for noise in (1.0, 0.0)
+    )
+    _, one, other = np.intersect1d(measured.pixel, exact.pixel, return_indices=True)
+    z = exact.xyz[other, 2]
+    error = 1000 * np.abs(measured.xyz[one, 2] - z)
+    for near in (2, 3, 4, 5):
+        inside = (z >= near) & (z < near + 1)
+        middle = near + 0.5
+        sigma = 1.4826 * np.median(error[inside])
+        assert 0.7 < sigma / (1.5 - 0.5 * middle + 0.3 * middle**2) < 1.5
+
+
 def test_each_camera_is_sent_as_a_depth_image(tmp_path: Path) -> None:
-    stage = Stage(3, 1, StageOptions(cameras=2))
+    stage = Stage(3, 1, StageOptions())
     import_frames(stage.frames, tmp_path / "s", RecordingInfo("s", "Stage", stage.fps))
     stored = open_sequence(tmp_path / "s")[0]
     assert stored.sensor_xyz().tobytes() == stage.frame(0).sensor_xyz.tobytes()
@@ -59,4 +74,4 @@ def test_each_camera_is_sent_as_a_depth_image(tmp_path: Path) -> None:
         mine = stored.chunk_table["sensor"] == part.sensor
         assert part.camera is not None
         assert asdict(part.camera) == asdict(KINECT)
-        assert np.diff(ends)[mine].sum() <= 1.2 * stored.chunk_table["count"][mine].sum()
+        assert np.diff(ends)[mine].sum() <= stored.chunk_table["count"][mine].sum()

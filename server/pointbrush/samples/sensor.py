@@ -68,13 +68,14 @@ class Sensor:
     """Settings of the depth and colour sensor.
 
     ``noise`` multiplies every random error (0: a perfect sensor without flying pixels or
-    speckle); ``nearest`` and ``farthest`` bound the range in metres.
+    speckle), ``grain`` only that of depths; ``nearest`` and ``farthest`` bound the range in metres.
     """
 
     noise: float = 1.0
     nearest: float = 0.5
     farthest: float = 6.0
     exposure: float = 1.0
+    grain: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +114,7 @@ def measure(
         weak = np.clip(0.45 / np.maximum(bright, 1e-4), 0.8, 2.5)
         white = _grain(rng, depth.shape)
         shared = gaussian_blur(_grain(rng, depth.shape), 1.2) * 4.2
-        sigma = deviation(far) * weak * np.float32(sensor.noise)
+        sigma = deviation(far) * weak * np.float32(sensor.noise * sensor.grain)
         measured = measured + sigma * (0.8 * white + 0.6 * shared)
     lost = (measured < sensor.nearest) | (measured > sensor.farthest) | (strength <= 0)
     if sensor.noise > 0:
