@@ -18,9 +18,9 @@ from starlette.exceptions import HTTPException
 from starlette.routing import compile_path
 
 from pointbrush import errors
-from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import status_of
 from pointbrush.system.resources import shortage
+from pointbrush.values.validation import describe
 
 logger = logging.getLogger(__name__)
 

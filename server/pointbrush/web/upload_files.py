@@ -21,9 +21,9 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
 from pointbrush.errors import BadInputError, NotFoundError, TooLargeError
-from pointbrush.streaming.encoding import describe
 from pointbrush.streaming.shared.status import MalformedError
 from pointbrush.values.base import Body
+from pointbrush.values.validation import describe
 from pointbrush.work.imports.uploads import Uploads
 
 Model = TypeVar("Model", bound=Body)

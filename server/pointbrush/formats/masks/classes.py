@@ -24,7 +24,7 @@ from pointbrush.formats.tables.class_maps import (
     parse_map,
 )
 from pointbrush.formats.tables.datasets import ClassName
-from pointbrush.formats.tables.parsing import parse_json
+from pointbrush.formats.tables.parsing import parse_json, parse_yaml
 
 NAMES = (
     *("labelmap.txt", "label_colors.txt", "class_names.txt", "classes.txt", "labels.txt"),
@@ -132,16 +132,14 @@ def _of_document(file: str, text: str, counted_from: int | None) -> MaskClasses:
 
 
 def _parsed(file: str, text: str) -> Any:
-    import yaml
-
     try:
         if file.endswith(".json"):
             return parse_json(text)
         if len(text) <= YAML_BYTES:
-            return yaml.safe_load(text)
+            return parse_yaml(text)
         reason = f"more than {YAML_BYTES:,} characters"
-    except (ValueError, RecursionError, yaml.YAMLError) as error:
-        reason = " ".join(str(error).split())[:120]
+    except ValueError as error:
+        reason = str(error)
     raise BadInputError(f"{file}: expected names of classes: {reason}")
 
 

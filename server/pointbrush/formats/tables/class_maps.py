@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 from pointbrush.errors import BadInputError
 from pointbrush.formats.options import read_bytes
 from pointbrush.formats.tables.datasets import ClassName
-from pointbrush.formats.tables.parsing import parse_json, parse_xml
+from pointbrush.formats.tables.parsing import parse_json, parse_xml, parse_yaml
 from pointbrush.names import spelled_out
 
 GREATEST_CLASS = 65535
@@ -136,15 +136,12 @@ def _of_lines(name: str, text: str) -> dict[int, ClassName]:
 
 
 def _of_yaml(name: str, text: str) -> dict[int, ClassName]:
-    import yaml
-
     if len(text) > YAML_BYTES:
         raise BadInputError(f"{name}: expected at most {YAML_BYTES} characters of YAML")
     try:
-        content = yaml.safe_load(text)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        reason = " ".join(str(error).split())[:120]
-        raise BadInputError(f"{name}: expected YAML of class names: {reason}") from None
+        content = parse_yaml(text)
+    except ValueError as error:
+        raise BadInputError(f"{name}: expected YAML of class names: {error}") from None
     labels = content.get("labels") if isinstance(content, dict) else None
     if not isinstance(labels, dict):
         raise BadInputError(f"{name}: expected YAML with 'labels', numbers and names, got none")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from pointbrush.errors import BadInputError, NotFoundError
+from pointbrush.formats.tables.parsing import parse_yaml
 from pointbrush.names import is_plain
 from pointbrush.values.study import LONGEST_YAML, Study
+from pointbrush.values.validation import describe
 
 TEMPLATES = Path(__file__).parent / "templates"
 ENDING = ".yaml"
@@ -53,21 +55,16 @@ class StudyFiles:
 def parse(text: str, name: str = "study") -> Study:
     """Return the study that a YAML text describes; raises BadInputError with the place of a fault.
 
-    ``name``: of the study in errors.  Aliases are refused: a few lines of them can stand for any
-    amount of data.
+    ``name``: of the study in errors.
     """
-    import yaml
     from pydantic import TypeAdapter, ValidationError  # slow to import
 
     if len(text) > LONGEST_YAML:
         raise BadInputError(f"{name}: expected at most {LONGEST_YAML:,} characters")
     try:
-        if any(isinstance(each, yaml.AliasEvent) for each in yaml.parse(text)):
-            raise BadInputError(f"{name}: expected YAML without aliases (*name)")
-        return TypeAdapter(Study).validate_python(yaml.safe_load(text))
-    except (yaml.YAMLError, RecursionError) as error:
-        raise BadInputError(f"{name}: expected YAML, got {' '.join(str(error).split())}") from None
+        return TypeAdapter(Study).validate_python(parse_yaml(text))
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = "".join(f"{part}: " for part in first["loc"])
-        raise BadInputError(f"{name}: {place}{first['msg']}") from None
+        found = describe(error.errors(include_url=False)[:1])  # errors of outer values follow
+        raise BadInputError(f"{name}: {found}") from None
+    except ValueError as error:
+        raise BadInputError(f"{name}: expected YAML, got {error}") from None
