@@ -15,9 +15,9 @@ import numpy as np
 from pointbrush.labels.types import EditInfo
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import FinishedStep, Record, Session
-from pointbrush.values.study import FileKind, LogRecord, Phase, Study
+from pointbrush.values.study import FileKind, LogRecord, Phase, Questionnaire, Study
 from pointbrush.work.library import Library
-from pointbrush.work.studies.design import PlannedStep, plan, score
+from pointbrush.work.studies.design import PlannedStep, items_of, plan, score
 from pointbrush.work.studies.overlap import Point, curve_of, ids_of, truth_of
 
 Row = dict[str, Any]
@@ -120,11 +120,16 @@ def _scores(steps: Sequence[PlannedStep], finished: Sequence[FinishedStep]) -> d
     rows: dict[str, Row] = {"": {}}
     for step, (*_, answers) in zip(steps, finished, strict=False):
         if step.questionnaire:
-            name, items = step.questionnaire.name, step.questionnaire.items
+            values = [score(step.questionnaire.items, answers), *answers]
             row = rows.setdefault(step.condition.name if step.condition else "", {})
-            row[name] = score(items, answers)
-            row |= {f"{name}_{place}": answer for place, answer in enumerate(answers, 1)}
+            row |= dict(zip(columns_of(step.questionnaire), values, strict=True))
     return rows
+
+
+def columns_of(questionnaire: Questionnaire) -> list[str]:
+    """Return the columns of a questionnaire: its score, and the answer to each item."""
+    name = questionnaire.name
+    return [name, *(f"{name}_{place}" for place in range(1, len(items_of(questionnaire)) + 1))]
 
 
 # ── measures of a task, from its log and the journal of its labels ───────────────────────
@@ -191,3 +196,10 @@ def by_step(log: Sequence[Record]) -> Mapping[int, list[Record]]:
     for record in log:
         found.setdefault(record["step"], []).append(record)
     return found
+
+
+COLUMNS = (
+    "participant", "position", "condition", "device", "input", "task",
+    *measures(1.0, (), 0, [(0.0, 0.0)]),
+)  # fmt: skip
+"""Columns of the results besides those of questionnaires."""

@@ -34,8 +34,10 @@ from pointbrush.work.studies.recordings import require_task
 from pointbrush.work.studies.replaying import replay
 from pointbrush.work.studies.report import to_html
 from pointbrush.work.studies.results import (
+    COLUMNS,
     Row,
     by_step,
+    columns_of,
     curve_rows,
     encode,
     log_rows,
@@ -105,9 +107,16 @@ class Studies:
     def _checked(self, new: NewStudy) -> tuple[Study, str]:
         text = StudyFiles(TEMPLATES).text(new.template) if new.template else new.text
         found = parse(text)
-        for names in (found.conditions, found.tasks, found.questionnaires):
-            if len({each.name for each in names}) < len(names):
-                raise BadInputError("name: expected a different one of each condition and task")
+        columns = [name for each in found.questionnaires for name in columns_of(each)]
+        for kind, names in (
+            ("condition", [each.name for each in found.conditions]),
+            ("task", [each.name for each in found.tasks]),
+            ("column of the results", [*COLUMNS, *columns]),
+        ):
+            if twice := next((name for name in names if names.count(name) > 1), None):
+                raise BadInputError(
+                    f"name: expected another one of each {kind}, got {twice!r} twice"
+                )
         for task in found.tasks:
             require_task(self._store, self._library, task)
         return found, text
