@@ -348,6 +348,11 @@ def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Serve
     for path in ("/studies", "/jobs", f"/sequences/{own}/export?format=ply", "/taxonomy"):
         assert person.call("GET", path).status_code == 403
     assert person.call("DELETE", f"/sequences/{own}").status_code == 403
+    early = person.log({"kind": "undo", "step": 99, "t": 0})
+    assert (early.status_code, "got 99" in early.text) == (422, True)
+    path = f"{server.url}{API}/study/{person.code}/log"
+    deep = httpx.post(path, content="[" * 100_000, headers={"Content-Type": "application/json"})
+    assert (deep.status_code, "nested too deeply" in deep.text) == (400, True)
     wrong = httpx.get(f"{server.url}{API}/study/{'x' * 32}/step")
     assert (wrong.status_code, "code" in wrong.json()["detail"]) == (401, True)
     # Copies are in no list of others, and not in statistics.

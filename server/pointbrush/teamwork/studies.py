@@ -16,7 +16,7 @@ from pointbrush.database.database import Database
 from pointbrush.database.schema import jobs, sequences
 from pointbrush.database.statements import Statement
 from pointbrush.database.study_tables import study_log, study_participants
-from pointbrush.errors import ConflictError, NotFoundError, TooLargeError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError, TooLargeError
 from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS
 
 Record = dict[str, Any]
@@ -171,11 +171,14 @@ class Studies:
         """Append records, of which ``first`` is the number of the first one; return the next one.
 
         Records that are stored already have no effect.  Raises ConflictError for a gap and for
-        other content, TooLargeError.
+        other content, BadInputError for a step to come, TooLargeError.
         """
         given: list[Record] = json.loads(json.dumps(records))
         with self._database.write() as connection:
-            end = _session(connection, account, lock=True).records
+            session = _session(connection, account, lock=True)
+            end, latest = session.records, max(each["step"] for each in given)
+            if latest > session.step:
+                raise BadInputError(f"step: expected at most {session.step}, got {latest}")
             if first > end:
                 raise ConflictError(
                     f"log: expected record {end} next, got {first}: records {end} to {first - 1} "

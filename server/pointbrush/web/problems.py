@@ -136,6 +136,8 @@ def _error_sentence(request: Request, error: HTTPException, headers: Mapping[str
         return f"method: expected {headers['Allow']} for {path}, got {request.method}"
     if error.status_code == 404 and error.detail == HTTPStatus.NOT_FOUND.phrase:
         return f"path: expected a path of /api/v1/openapi.json, got {path!r}"
+    if error.status_code == 400 and isinstance(error.__cause__, RecursionError):
+        return "body: expected JSON, got one that is nested too deeply"
     return str(error.detail)
 
 
