@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import unicodedata
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -260,6 +261,7 @@ def rig(folder: Path) -> dict[str, Path]:
     }
 
 
+EYE = np.eye(4).ravel().tolist()
 MOUNTS = {"left": mount(-1.0, 60), "middle": mount(0.0, 0), "right": mount(1.0, -60)}
 
 
@@ -328,12 +330,35 @@ def test_sensors_that_make_no_recording_are_refused_in_words(tmp_path: Path) -> 
         ([named[0]], "expected two sensors or more"),
         (["left"], "expected NAME=VALUE"),
         ([named[0], f"right={tmp_path / 'nowhere'}"], "there is no nowhere"),
+        (["caf\u00e9=a", "cafe\u0301=b"], "each sensor once"),
     ):
         with pytest.raises((BadInputError, NotFoundError), match=said):
             frames_of(tmp_path, sensor=sensor, extrinsics=str(file))
-    (tmp_path / "extrinsics.json").write_text('{"left": {"T_frame_sensor": [1, 2]}}')
-    with pytest.raises(BadInputError, match="left: T_frame_sensor: expected 16 numbers"):
-        frames_of(tmp_path)
+    for entry, said in (
+        ({}, "expected T_frame_sensor, got nothing"),
+        ({"T_frame_sensor": [1, 2]}, r"left: T_frame_sensor: expected 16 numbers.*got \[1, 2\]"),
+        ({"T_frame_sensor": [1e300] * 16}, r"expected numbers up to 1e\+12"),
+        ({"T_frame_sensor": [float("nan")] * 16}, "expected numbers up to"),
+        ({"T_frame_sensor": EYE, "clock_offset_s": True}, "expected seconds"),
+        ({"T_frame_sensor": EYE, "clock_offset_s": 1e308}, "expected seconds up to"),
+    ):
+        (tmp_path / "extrinsics.json").write_text(json.dumps({"left": entry}))
+        with pytest.raises(BadInputError, match=said):
+            frames_of(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["x" * 201, "camera \u00e9"], ids=["long", "accent"])
+def test_names_of_sensors_are_limited_and_composed(tmp_path: Path, name: str) -> None:
+    for seed, folder in enumerate(("left", unicodedata.normalize("NFD", name)[:200])):
+        depth_folder(tmp_path / folder, seed, [10.0])
+    known = {each: {"T_frame_sensor": EYE} for each in ("left", name)}
+    (tmp_path / "extrinsics.json").write_text(json.dumps(known))
+    if len(name) < 200:
+        assert [each.name for each in frames_of(tmp_path)[0].sensors] == ["left", name]
+        return
+    named = [f"{each}={tmp_path / each[:200]}" for each in known]
+    with pytest.raises(BadInputError, match="different names of up to 200"):
+        frames_of(tmp_path, sensor=named, extrinsics=str(tmp_path / "extrinsics.json"))
 
 
 def test_scans_without_times_join_in_their_order(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.values.kinds import FARTHEST
 
 Matrix = NDArray[np.float64]
 MOST_OFF = 1e-3
@@ -22,9 +23,13 @@ def rigid_mount(where: str, values: Any) -> Matrix:
     try:
         matrix = np.array(values, np.float64).reshape(4, 4)
     except (TypeError, ValueError):
-        raise BadInputError(f"{where}: expected 16 numbers of a 4x4 matrix") from None
-    if not np.isfinite(matrix).all():
-        raise BadInputError(f"{where}: expected a finite matrix")
+        raise BadInputError(
+            f"{where}: expected 16 numbers of a 4x4 matrix, got {str(values)[:100]}"
+        ) from None
+    if not (np.abs(matrix) <= FARTHEST).all():
+        raise BadInputError(
+            f"{where}: expected numbers up to {FARTHEST:g}, got {matrix.ravel().tolist()}"
+        )
     R = matrix[:3, :3]
     if np.abs(matrix[3] - (0, 0, 0, 1)).max() > MOST_OFF:
         raise BadInputError(f"{where}: expected 0 0 0 1 as the last row, got {matrix[3].tolist()}")

@@ -17,7 +17,8 @@ FARTHEST = 1e12
 LONGEST_SIDE = 1_000.0
 """The longest side of a box, metres."""
 
-Name = Annotated[str, Rule(min_length=1, max_length=200, pattern=f"^{VISIBLE}+$")]
+LONGEST_NAME = 200
+Name = Annotated[str, Rule(min_length=1, max_length=LONGEST_NAME, pattern=f"^{VISIBLE}+$")]
 SEQUENCE_ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 """Pattern of the ids of recordings, projects and snapshots."""
 SequenceName = Annotated[str, Rule(pattern=SEQUENCE_ID, max_length=64)]

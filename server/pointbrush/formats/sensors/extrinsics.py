@@ -14,6 +14,7 @@ from pointbrush.formats.inside import require_inside
 from pointbrush.formats.options import Limits
 from pointbrush.formats.tables.parsing import parse_json
 from pointbrush.geometry.mounts import Matrix, rigid_mount
+from pointbrush.names import composed
 from pointbrush.values.kinds import SensorType
 
 FILES = ("extrinsics.json", "calibration.json", "calib.txt")
@@ -21,6 +22,8 @@ FILES = ("extrinsics.json", "calibration.json", "calib.txt")
 TYPES: tuple[str, ...] = get_args(get_args(SensorType)[0])
 AUTO = "auto"
 """Clock offset that is estimated."""
+MOST_SECONDS = 1e10
+"""Greatest clock offset, about 300 years: clocks that count from 1970 have offsets below it."""
 MOUNT, TYPE, OFFSET = "T_frame_sensor", "type", "clock_offset_s"
 """Keys of a sensor in a calibration file."""
 
@@ -59,7 +62,9 @@ def read_extrinsics(path: Path, limits: Limits) -> dict[str, Extrinsics]:
         raise BadInputError(
             f'{path.name}: expected {{"NAME": {{"{MOUNT}": [16 numbers]}}, …}}, got other JSON'
         )
-    return {name: _of_json(f"{path.name}: {name}", given) for name, given in document.items()}
+    return {
+        composed(name): _of_json(f"{path.name}: {name}", given) for name, given in document.items()
+    }
 
 
 def _of_json(where: str, given: Mapping[str, Any]) -> Extrinsics:
@@ -77,18 +82,23 @@ def _of_lines(file: str, text: str) -> Iterable[tuple[str, Extrinsics]]:
         name, colon, numbers = line.split("#")[0].rpartition(":")
         if colon:
             where = f"{file}: {name.strip()}"
-            yield name.strip(), Extrinsics(rigid_mount(where, pose_of(where, numbers.split())))
+            yield (
+                composed(name.strip()),
+                Extrinsics(rigid_mount(where, pose_of(where, numbers.split()))),
+            )
 
 
 def _seconds(where: str, value: Any) -> float | None:
     if value == AUTO:
         return None
     try:
-        seconds = float(value)
+        seconds = math.nan if isinstance(value, bool) else float(value)
     except (TypeError, ValueError):
         seconds = math.nan
-    if not math.isfinite(seconds):
-        raise BadInputError(f"{where}: expected seconds or {AUTO}, got {str(value)[:40]!r}")
+    if not abs(seconds) <= MOST_SECONDS:
+        raise BadInputError(
+            f"{where}: expected seconds up to {MOST_SECONDS:g} or {AUTO}, got {str(value)[:40]!r}"
+        )
     return seconds
 
 
@@ -97,6 +107,7 @@ def pairs_of(option: str, given: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for text in given:
         name, equals, value = (part.strip() for part in text.partition("="))
+        name = composed(name)
         if not (name and equals and value):
             raise BadInputError(f"{option}: expected NAME=VALUE, got {text[:80]!r}")
         if name in found:

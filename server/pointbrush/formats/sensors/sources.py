@@ -21,6 +21,7 @@ from pointbrush.formats.sensors.extrinsics import (
     with_offsets,
 )
 from pointbrush.formats.sensors.streams import Stream, join_streams
+from pointbrush.names import composed
 
 
 def list_recording(folder: Path, format: str | None, options: ReadOptions) -> Listing:
@@ -37,7 +38,7 @@ def list_recording(folder: Path, format: str | None, options: ReadOptions) -> Li
         known = with_offsets(known, list(known), options.chosen.clock_offset) if known else {}
         streams = [replace(stream, known=known[stream.name]) for stream in streams]
     if not streams and (known := _calibration(top, options)):
-        places = {each.name: each for each in folders_in(top) if each.name in known}
+        places = {composed(each.name): each for each in folders_in(top)}
         named = {name: places[name] for name in known if name in places}
         streams = _streams(named, known, format, options)
     return join_streams(streams, options) if streams else list_folder(folder, format, options)
@@ -74,7 +75,7 @@ def _calibration(folder: Path, options: ReadOptions) -> dict[str, Extrinsics]:
     """Read the named calibration file, or the one in a folder that names two of its folders."""
     if options.chosen.extrinsics is not None:
         return read_extrinsics(Path(options.chosen.extrinsics), options.limits)
-    inside = {each.name for each in folders_in(folder)}
+    inside = {composed(each.name) for each in folders_in(folder)}
     for path in (folder / name for name in FILES if (folder / name).is_file()):
         try:
             known = read_extrinsics(path, options.limits)

@@ -22,7 +22,7 @@ from pointbrush.formats.times.timing import SPINNING_FORMATS
 from pointbrush.frame import FramePart, PointFrame, Sensor, join_sensors
 from pointbrush.geometry.mounts import Matrix
 from pointbrush.names import spelled_out
-from pointbrush.values.kinds import MOST_SENSORS, SensorType
+from pointbrush.values.kinds import LONGEST_NAME, MOST_SENSORS, SensorType
 
 log = logging.getLogger(__name__)
 Row = tuple[int | None, ...]
@@ -74,10 +74,12 @@ def join_streams(streams: Sequence[Stream], options: ReadOptions) -> Listing:
     Warnings count the frames that join nothing.  Raises BadInputError for equal names, a sensor
     without a mount, sensors that cannot be joined, and one of which no frame joins.
     """
-    names = [stream.name for stream in streams]
-    if len(set(names)) < len(names) or len(names) > MOST_SENSORS:
+    names = [stream.sensor.name for stream in streams]
+    too_long = max(map(len, names)) > LONGEST_NAME
+    if too_long or len(set(names)) < len(names) or len(names) > MOST_SENSORS:
         raise BadInputError(
-            f"sensors: expected up to {MOST_SENSORS} different names, got {', '.join(names)[:200]}"
+            f"sensors: expected up to {MOST_SENSORS} different names of up to {LONGEST_NAME} "
+            f"characters, got {', '.join(names)[:300]}"
         )
     for stream in streams:
         _ = stream.mount

@@ -20,6 +20,7 @@ from starlette.types import Receive, Scope, Send
 from pointbrush.errors import TooManyRequestsError, UnavailableError
 from pointbrush.formats import EXPORTS
 from pointbrush.values.exports import ExportFormat
+from pointbrush.values.kinds import LONGEST_NAME
 from pointbrush.web.context import SequenceId, SnapshotQuery, Ws, one_of
 from pointbrush.web.security.auth import Caller, Gate, Principal, resource
 from pointbrush.web.security.roles import needs, needs_for_file
@@ -224,7 +225,7 @@ async def export_sequence(
     ] = 0.0,
     snapshot: SnapshotQuery = None,
     sensor: Annotated[
-        str | None, Query(max_length=200, description="name of one of several sensors")
+        str | None, Query(max_length=LONGEST_NAME, description="name of one of several sensors")
     ] = None,
 ) -> Response:
     """Return frames with their labels in source order, as a zip.
