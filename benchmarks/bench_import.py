@@ -33,7 +33,6 @@ from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.order import morton_order, progressive
 from pointbrush.sequences.octree.quantise import ROOM_STEP
 from pointbrush.sequences.wire.chunk import Grid, encode_chunk, wire_colors
-from pointbrush.sequences.wire.decoder import decode_vertices
 
 STATIONS = np.array([[30, 30], [90, 40], [60, 95], [140, 130], [25, 150], [170, 40]], float)
 CHUNK = 1_000_000
@@ -251,7 +250,6 @@ def small() -> None:
     assert frame.rgb is not None
     grid = Grid(np.zeros(3), ROOM_STEP, None)
     colors = wire_colors(frame.rgb[order], None, None, len(xyz))
-    stream = encode_chunk(stored, colors, grid).data
     encoded, seen = encode_frame(frame, grid), GridChooser()([frame])
     print(f"frame of the sample recording, {len(xyz):,} points, within {encoded.error:.5f} m:")
     print(f"  {len(encoded.wire) / len(xyz):.2f} bytes a point,", end=" ")
@@ -259,7 +257,6 @@ def small() -> None:
     for name, run in {
         "order": lambda: progressive(morton_order(xyz)),
         "quantise and encode": lambda: encode_chunk(stored, colors, grid),
-        "decode in Python": lambda: decode_vertices(stream, len(xyz)),
         "build the k-d tree": lambda: build(stored),
         "all that import does": lambda: encode_frame(frame, grid),
         "the same, depth image too": lambda: encode_frame(frame, seen),

@@ -24,8 +24,6 @@ ALLOWED = {
     # Numbers of points from outside: compared with the frame's number of points after.
     "ranges.py:numbers_of",
     # Chunks and columns of imported recordings, written by the server and kept with checksums.
-    "sequences/wire/decoder.py:decode_vertices",
-    "sequences/depth/codec.py:decode_band",
     "sequences/octree/",
     "sequences/storage/source_fields.py:_arrays",
     # Mapped files whose pages are looked at, not read.

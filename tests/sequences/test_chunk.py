@@ -14,9 +14,9 @@ from pointbrush.sequences.octree.order import morton_order
 from pointbrush.sequences.octree.quantise import ROOM_STEP, coarsest_step, dequantise
 from pointbrush.sequences.wire.budget import BUDGET, FEW
 from pointbrush.sequences.wire.chunk import Grid, encode_chunk
-from pointbrush.sequences.wire.decoder import decode_points
 from pointbrush.sequences.wire.path import short_path
 from tests.depth_camera import depth_camera
+from tests.sequences.vertex_decoder import decode_points
 
 
 def lidar(beams: int, turn: int, *, colour: bool, seed: int = 0) -> PointFrame:

@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from pointbrush.errors import BadInputError
 from pointbrush.frame import DepthCamera, PointFrame
 from pointbrush.sequences import Manifest, RecordingInfo, Sequence, import_frames, open_sequence
 from pointbrush.sequences.depth.finding import find_lattice
-from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.storage.manifest import encode_manifest
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera
+from tests.sequences.depth_decoder import decode_depth, unproject
 
 
 def put(frames: list[PointFrame], path: Path) -> Sequence:
@@ -48,7 +47,7 @@ def test_every_point_is_its_pixel_and_depth_within_the_manifests_error(sequence:
     for frame in range(2):
         stored, source = sequence[frame], depth_camera(frame)
         pixels, _ = decode_depth(lattice, chunks_of(sequence, frame))
-        off = np.abs(lattice.unproject(pixels.pixel, pixels.depth) - stored.xyz)
+        off = np.abs(unproject(lattice, pixels.pixel, pixels.depth) - stored.xyz)
         assert off.max() <= manifest.position_error <= 0.0005
         assert np.array_equal(stored.source_xyz(), source.xyz)
 
@@ -160,10 +159,3 @@ def test_tracking_takes_the_lattice_from_the_manifest(sequence: Sequence) -> Non
     margin = TrackerOptions().lens.margin_px
     rows, columns = np.divmod(lens.cells(stored.xyz, TrackerOptions().lens).cell, lens.shape[1])
     assert np.array_equal((rows - margin) * lattice.width + columns - margin, pixels.pixel)
-
-
-def test_bytes_that_were_cut_off_are_refused(sequence: Sequence) -> None:
-    first, *_ = chunks_of(sequence, 0)
-    for cut in (first[:8], first[:200], first[: len(first) // 2]):
-        with pytest.raises(BadInputError, match="depth"):
-            decode_depth(lattice_of(sequence), [cut])

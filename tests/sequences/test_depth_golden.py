@@ -18,9 +18,9 @@ from PIL import Image
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.wire.chunk import Grid
+from tests.sequences.depth_decoder import decode_depth, unproject
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 LATTICE = Lattice(
@@ -33,6 +33,7 @@ LATTICE = Lattice(
     eye=(0.25, 0.0, -0.5),
     unit=0.001,
 )
+
 STEPS = {"fine": 1, "coarse": 7}
 """Units from one depth of a sensor to the next: those of the coarse one are listed."""
 
@@ -46,7 +47,7 @@ def small_frame(step: int) -> PointFrame:
     depth = np.where(ball, 800 + (x * x + y * y) // 4, 2000 + 6 * x + noise) // step * step
     seen = (number % 89 != 0) & ((x + y) % 61 > 2)
     rgb = np.stack([128 + x, np.where(ball, 200, 90) + noise, 128 - y], axis=1).astype(np.uint8)
-    xyz = LATTICE.unproject(number[seen], depth[seen]).astype(np.float32)
+    xyz = unproject(LATTICE, number[seen], depth[seen]).astype(np.float32)
     return PointFrame(xyz, rgb[seen])
 
 
@@ -119,7 +120,7 @@ def test_golden_depth_says_every_point_within_its_error() -> None:
         xyz = np.frombuffer(base64.b64decode(described["xyz_base64"]), "<f4").reshape(-1, 3)
         frame = small_frame(step)
         assert len(pixels.pixel) == len(frame)
-        found = LATTICE.unproject(pixels.pixel, pixels.depth)
+        found = unproject(LATTICE, pixels.pixel, pixels.depth)
         assert np.abs(found - xyz).max() <= described["position_error"]
         assert sorted(map(tuple, xyz.tolist())) == sorted(map(tuple, frame.xyz.tolist()))
         assert set(pictures) == {1, 2}

@@ -16,7 +16,7 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.octree.quantise import ROOM_STEP, dequantise
 from pointbrush.sequences.wire.chunk import Grid
-from pointbrush.sequences.wire.decoder import decode_points
+from tests.sequences.vertex_decoder import decode_points
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 

@@ -35,8 +35,8 @@ from pointbrush.sequences import (
 from pointbrush.sequences import importer as importer_module
 from pointbrush.sequences.octree.quantise import dequantise
 from pointbrush.sequences.storage.manifest import VERSION
-from pointbrush.sequences.wire.decoder import decode_points
 from tests import forked
+from tests.sequences.vertex_decoder import decode_points
 from tests.waiting import eventually
 
 

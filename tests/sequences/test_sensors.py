@@ -27,7 +27,6 @@ from pointbrush.sequences import (
     update_manifest,
     verify,
 )
-from pointbrush.sequences.depth.images import decode_depth
 from pointbrush.sequences.storage.manifest import (
     VERSION,
     changed_manifest,
@@ -36,9 +35,10 @@ from pointbrush.sequences.storage.manifest import (
     rename_sequence,
 )
 from pointbrush.sequences.storage.recording_files import FolderFiles
-from pointbrush.sequences.wire.decoder import decode_points
 from tests.depth_camera import depth_camera
 from tests.rigs import cloud, corrections, mount, rig
+from tests.sequences.depth_decoder import decode_depth, unproject
+from tests.sequences.vertex_decoder import decode_points
 
 SENSORS = (Sensor("left", "spinning"), Sensor("right", "radar"), Sensor("rear"))
 MAP = rigid(np.eye(3), vec(5e5, -4e6, 120))
@@ -128,7 +128,7 @@ def test_each_depth_camera_has_the_depth_image_that_it_has_alone(
             continue
         assert all(map(stored.is_band, mine))
         found = decode_depth(part.lattice, chunks)[0]
-        shown = part.lattice.unproject(found.pixel, found.depth)
+        shown = unproject(part.lattice, found.pixel, found.depth)
         assert np.abs(shown - own).max() <= stored_error
         [alone] = put([depth_camera(part.sensor)], tmp_path / part.name)
         assert b"".join(chunks) == alone.depth(0, len(alone.chunks)).tobytes()

@@ -11,9 +11,9 @@ import pytest
 
 from pointbrush.client import Client
 from pointbrush.sequences import RecordingInfo, Sequence, import_frames, open_sequence
-from pointbrush.sequences.depth.images import decode_depth
 from tests.depth_camera import depth_camera
 from tests.rigs import corrections, mount, rig
+from tests.sequences.depth_decoder import decode_depth, unproject
 from tests.serving import Served, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import HeldFrame, Message, Viewer, viewer
@@ -74,7 +74,7 @@ def test_who_reads_depth_images_gets_the_same_points_in_a_fifth_of_the_bytes(
         chunks = [stored.depth(i, i + 1).tobytes() for i in range(len(stored.chunks))]
         assert b"".join(depth.data) == b"".join(chunks)
         pixels, _ = decode_depth(lattice, chunks)
-        shown = lattice.unproject(pixels.pixel, pixels.depth)
+        shown = unproject(lattice, pixels.pixel, pixels.depth)
         assert np.abs(shown - stored.xyz).max() <= info["position_error"]
         assert info["lattice"]["width"] == lattice.width
 

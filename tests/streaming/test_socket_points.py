@@ -7,7 +7,7 @@ import asyncio
 import numpy as np
 
 from pointbrush.sequences import open_sequence
-from pointbrush.sequences.wire.decoder import decode_points
+from tests.sequences.vertex_decoder import decode_points
 from tests.serving import Served
 from tests.streaming.acting import run
 from tests.streaming.client import Viewer, viewer

@@ -1,4 +1,4 @@
-"""Depths of a lattice's pixels → bytes and back: interlaced prediction, and rANS.
+"""Depths of a lattice's pixels → bytes: interlaced prediction, and rANS.
 
 The pixels of a ``Band`` are coded in the order of its points.  Each is predicted from the two known
 pixels beside it (their mean), or in level 0 from the pixels left, above and above left (the median
@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled, innermost
-from pointbrush.errors import BadInputError
 from pointbrush.sequences.depth.lattice import STRIP, Band
 
 Bytes = NDArray[np.uint8]
@@ -49,7 +48,7 @@ def _bits(value: int) -> int:
 
 
 @innermost
-def _predict(image: Image, row: int, column: int, band: Band, last: int) -> tuple[int, int]:
+def predict(image: Image, row: int, column: int, band: Band, last: int) -> tuple[int, int]:
     """Return the predicted depth of a pixel, and its context."""
     half, between = band.half, 0
     if half == 0:
@@ -88,7 +87,7 @@ def _symbols(
         end = min(strip + STRIP * down, band.stop)
         for column in range(band.column, width, across):
             for row in range(strip, end, down):
-                expected, context = _predict(image, row, column, band, last)
+                expected, context = predict(image, row, column, band, last)
                 value = int(image[row, column])
                 token = 0
                 if value:
@@ -179,119 +178,16 @@ def _pack_tables(frequency: NDArray[np.int64]) -> Bytes:
     return out[:at]
 
 
-@compiled
-def _token_table(frequency: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """(CONTEXTS, SCALE) the token of each slot."""
-    token_of = np.zeros((CONTEXTS, SCALE), np.uint8)
-    for context in range(CONTEXTS):
-        for token in range(TOKENS):
-            first = start[context, token]
-            token_of[context, first : first + frequency[context, token]] = token
-    return token_of
-
-
-@compiled
-def _first_states(words: NDArray[np.uint16]) -> NDArray[np.int64]:
-    """(STATES,) the states of the coder, two words each."""
-    states = np.empty(STATES, np.int64)
-    for n in range(STATES):
-        states[n] = int(words[2 * n]) | int(words[2 * n + 1]) << WORD_BITS
-    return states
-
-
-@innermost
-def _with_low_bits(code: int, rest: Bytes, bit_at: int) -> tuple[int, int]:
-    """Value of a ``code`` with its low bits from ``bit_at``, -1 where they end; the next bit."""
-    bits = (code >> 2) + 2
-    if bit_at + bits > 8 * len(rest):
-        return -1, bit_at
-    value = (4 + (code & 3)) << bits
-    for bit in range(bits):
-        value |= ((int(rest[bit_at >> 3]) >> (bit_at & 7)) & 1) << bit
-        bit_at += 1
-    return value, bit_at
-
-
-@innermost
-def _unfolded(folded: int) -> int:
-    """The signed number of an unsigned one: 0, 1, 2, 3 … of 0, -1, 1, -2 …."""
-    return folded >> 1 if folded & 1 == 0 else -((folded + 1) >> 1)
-
-
-@compiled
-def _decode(
-    image: Image,
-    band: Band,
-    width: int,
-    frequency: NDArray[np.int64],
-    start: NDArray[np.int64],
-    words: NDArray[np.uint16],
-    rest: Bytes,
-) -> bool:
-    """Fill in a band's pixels; False where the words or low bits end too early."""
-    down, across = band.down, band.across
-    if len(words) < 2 * STATES:
-        return False
-    token_of = _token_table(frequency, start)
-    states = _first_states(words)
-    n, at, bit_at, last = 0, 2 * STATES, 0, 0
-    for strip in range(band.row, band.stop, STRIP * down):
-        end = min(strip + STRIP * down, band.stop)
-        for column in range(band.column, width, across):
-            for row in range(strip, end, down):
-                expected, context = _predict(image, row, column, band, last)
-                state = states[n % STATES]
-                slot = state & (SCALE - 1)
-                token = int(token_of[context, slot])
-                many = frequency[context, token]
-                state = many * (state >> SCALE_BITS) + slot - start[context, token]
-                if state < LOWEST:
-                    if at >= len(words):
-                        return False
-                    state = state << WORD_BITS | int(words[at])
-                    at += 1
-                states[n % STATES] = state
-                n += 1
-                if token == 0:
-                    image[row, column] = 0
-                    continue
-                folded = token - 1
-                if folded >= DIRECT:
-                    folded, bit_at = _with_low_bits(folded - DIRECT, rest, bit_at)
-                    if folded < 0:
-                        return False
-                last = expected + _unfolded(folded)
-                image[row, column] = last
-    return True
-
-
 def encode_band(image: Image, band: Band, width: int) -> tuple[bytes, bytes, bytes]:
     """Encode a band of an image with a margin: its frequencies, tokens and low bits."""
     symbols, counts, low = _symbols(image, band, width)
     frequency = _frequencies(counts)
-    tokens = _encode(symbols, frequency, _starts(frequency)).astype("<u2", copy=False)
+    tokens = _encode(symbols, frequency, token_starts(frequency)).astype("<u2", copy=False)
     return _pack_tables(frequency).tobytes(), tokens.tobytes(), low.tobytes()
 
 
-def decode_band(
-    image: Image, band: Band, width: int, tables: bytes, tokens: bytes, rest: bytes
-) -> None:
-    """Fill in a band of an image with a margin; raises BadInputError for other bytes."""
-    frequency = np.zeros((CONTEXTS, TOKENS), np.int64)
-    at = 0
-    for context in range(CONTEXTS):
-        count, at = read_varint(tables, at)
-        for token in range(count):
-            frequency[context, token], at = read_varint(tables, at)
-    if not np.isin(frequency.sum(axis=1), (0, SCALE)).all():
-        raise BadInputError(f"depth: expected frequencies of a sum of {SCALE}, got another")
-    words = np.frombuffer(tokens[: len(tokens) & ~1], "<u2")
-    low = np.frombuffer(rest, np.uint8)
-    if not _decode(image, band, width, frequency, _starts(frequency), words, low):
-        raise BadInputError("depth: expected more bytes, got their end")
-
-
-def _starts(frequency: NDArray[np.int64]) -> NDArray[np.int64]:
+def token_starts(frequency: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the first slot (CONTEXTS, TOKENS) of each token, of frequencies of this shape."""
     return np.cumsum(frequency, axis=1) - frequency
 
 
@@ -303,16 +199,3 @@ def varint(value: int) -> bytes:
         value >>= 7
     out.append(value)
     return bytes(out)
-
-
-def read_varint(data: bytes, at: int) -> tuple[int, int]:
-    """The number at ``at``, and where the next one is; raises BadInputError at the end."""
-    value = shift = 0
-    while at < len(data):
-        byte = data[at]
-        at += 1
-        value |= (byte & 127) << shift
-        shift += 7
-        if byte < 128:
-            return value, at
-    raise BadInputError("depth: expected a number, got the end of the bytes")

@@ -16,17 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.compiled import compiled
-from pointbrush.errors import BadInputError
-from pointbrush.sequences.depth.codec import (
-    Bytes,
-    Image,
-    decode_band,
-    encode_band,
-    read_varint,
-    varint,
-)
-from pointbrush.sequences.depth.lattice import FARTHEST, Lattice, Pixels
-from pointbrush.sequences.depth.projection import Placed, empty_image, visit
+from pointbrush.sequences.depth.codec import Bytes, Image, encode_band, varint
+from pointbrush.sequences.depth.lattice import FARTHEST, Lattice
+from pointbrush.sequences.depth.projection import Placed
 
 QUALITIES = ((85, "4:2:0"), (87, "4:2:2"), (92, "4:2:2"), (97, "4:4:4"))
 """JPEG qualities and chroma samplings, tried until the colour error is small enough."""
@@ -39,7 +31,7 @@ _JPEG_PIXEL = 4
 SPARSE = 1.5
 """Depths are indexed if the range of depths is at least so many times the number of depths."""
 
-_LENGTHS = struct.Struct("<3I")
+LENGTHS = struct.Struct("<3I")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,40 +62,10 @@ def encode_depth(lattice: Lattice, placed: Placed, rgb: Bytes | None) -> Depth |
         picture = b""
         if lattice.carries_picture(chunk):
             picture = pictures.jpegs.get(lattice.picture_step(band), b"")
-        lengths = _LENGTHS.pack(len(picture), len(tables), len(tokens))
+        lengths = LENGTHS.pack(len(picture), len(tables), len(tokens))
         chunks.append(b"".join((lengths, picture, tables, tokens, low)))
     side_error = float(found.error[list(lattice.sides)].max())
     return Depth(chunks, float(found.error[lattice.axis]), side_error, pictures.error)
-
-
-def decode_depth(lattice: Lattice, chunks: list[bytes]) -> tuple[Pixels, dict[int, bytes]]:
-    """The pixels of the points of a frame's first ``chunks``, in stored order, and its pictures.
-
-    The pictures, JPEG, are by the step of their pixels.  Raises BadInputError for other bytes.
-    """
-    image, listed = empty_image(lattice), np.zeros(0, np.int64)
-    size = lattice.height, lattice.width
-    row_major = np.arange(lattice.height * lattice.width, dtype=np.int32).reshape(size)
-    pixel, count = np.empty(row_major.size, np.int64), 0
-    pictures = {}
-    for chunk, (band, data) in enumerate(zip(lattice.bands, chunks, strict=False)):
-        if len(data) < _LENGTHS.size:
-            raise BadInputError("depth: expected the lengths of its parts, got fewer bytes")
-        ends = _LENGTHS.size + np.cumsum(_LENGTHS.unpack_from(data))
-        picture, tables, tokens = (
-            data[start:stop] for start, stop in zip((_LENGTHS.size, *ends[:-1]), ends, strict=True)
-        )
-        if picture:
-            pictures[lattice.picture_step(band)] = picture
-        if chunk == 0:
-            listed, at = _read_listed(tables)
-            tables = tables[at:]
-        decode_band(image, band, lattice.width, tables, tokens, data[ends[-1] :])
-        inside = image[: lattice.height, : lattice.width]
-        count = visit(np.where(inside > 0, row_major, -1), band, pixel, count)
-    pixel = pixel[:count]
-    value = image[pixel // lattice.width, pixel % lattice.width].astype(np.int64)
-    return Pixels(pixel, listed[value - 1] if len(listed) else value), pictures
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,14 +146,6 @@ def _occurring(image: Image) -> NDArray[np.bool_]:
     for value in image.flat:
         occurs[value] = True
     return occurs
-
-
-def _read_listed(data: bytes) -> tuple[NDArray[np.int64], int]:
-    count, at = read_varint(data, 0)
-    steps = np.zeros(count, np.int64)
-    for n in range(count):
-        steps[n], at = read_varint(data, at)
-    return np.cumsum(steps), at
 
 
 @compiled

@@ -12,9 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pointbrush.sequences.octree.order import LEVEL0_POINTS
 
 DEPTH_FORMAT = 2
@@ -130,20 +127,6 @@ class Lattice:
         before, band = self.bands[chunk - 1 : chunk + 1]
         return self.picture_step(before) != self.picture_step(band)
 
-    def unproject(
-        self, pixel: NDArray[np.integer], depth: NDArray[np.integer]
-    ) -> NDArray[np.float64]:
-        """Points (N, 3), local metres, of row-major pixels (N,) at depths (N,) in units."""
-        along = depth * self.unit
-        xyz = np.empty((len(pixel), 3))
-        xyz[:, self.axis] = self.eye[self.axis] + self.sign * along
-        places = (pixel % self.width, pixel // self.width)
-        for side, place, tangent, pitch in zip(
-            self.sides, places, self.tangent, self.pitch, strict=True
-        ):
-            xyz[:, side] = self.eye[side] + along * (tangent + pitch * place)
-        return xyz
-
 
 def lattice_of(given: dict[str, Any] | None) -> Lattice | None:
     """Return a lattice of its JSON, which has lists in place of tuples."""
@@ -153,10 +136,3 @@ def lattice_of(given: dict[str, Any] | None) -> Lattice | None:
         key: tuple(value) if isinstance(value, list) else value for key, value in given.items()
     }
     return Lattice(**plain)
-
-
-class Pixels(NamedTuple):
-    """Row-major pixels (N,) of points and their depths (N,) in units."""
-
-    pixel: NDArray[np.int64]
-    depth: NDArray[np.int64]

@@ -63,24 +63,6 @@ def _packed(colors: Bytes) -> Bytes:
     return halves
 
 
-def plain_colors(vertices: Bytes) -> None:
-    """Replace the colours of decoded vertices (N, 12) by plain ones in place, as the page does."""
-    related = (vertices[:, _FLAGS] & RELATIVE).astype(np.bool_)
-    vertices[related, 6] += vertices[related, 7]
-    vertices[related, 8] += vertices[related, 7]
-    kind = vertices[:, _FLAGS] >> DROPPED_SHIFT
-    for dropped in range(1, MOST_DROPPED + 1):
-        values = vertices[kind == dropped, 6:9]
-        vertices[kind == dropped, 6:9] = (values << dropped) | (values >> (8 - 2 * dropped))
-    rows = kind == PACKED
-    low, high = vertices[rows, 6], vertices[rows, 7]
-    red, green, blue = low & 31, (low >> 5) | ((high & 7) << 3), high >> 3
-    vertices[rows, 6] = (red << 3) | (red >> 2)
-    vertices[rows, 7] = (green << 2) | (green >> 4)
-    vertices[rows, 8] = (blue << 3) | (blue >> 2)
-    vertices[:, _FLAGS] = 0
-
-
 def are_related(colors: Bytes) -> bool:
     """Whether r and b of colours (N, 4) change less from point to point relative to g.
 

@@ -1,73 +1,70 @@
-"""Decoding the vertex codec in Python: for scripts and checks; the page has its own decoder.
-
-Both versions of the bitstream are read (``codec`` describes it); version 0, which older imports
-hold, has no control bits and no words: each group is nothing, 2, 4 or 8 bits a value.
-"""
+"""A decoder of the vertex codec in Python, for tests; ``sequences/wire/codec.py`` describes it."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pointbrush.errors import BadInputError
 from pointbrush.sequences.wire.codec import (
     GROUP,
+    HEADER,
     PLAIN,
     TAIL_MIN,
     ZERO,
     Bytes,
     block_size,
-    check_stride,
 )
-from pointbrush.sequences.wire.vertices import plain_colors
+from pointbrush.sequences.wire.vertices import DROPPED_SHIFT, MOST_DROPPED, PACKED, RELATIVE
 
-_HEADER = {0xA0: 0, 0xA1: 1}
-_TAIL_MIN = (32, TAIL_MIN)
-_BITS = {(0, 0): (0, 2, 4, 8), (1, 0): (0, 1, 2, 4), (1, 1): (1, 2, 4, 8)}
-"""Bits a value of a group, by version and control, for each of its two header bits' values."""
+_BITS = ((0, 1, 2, 4), (1, 2, 4, 8))
+"""Bits a value of a group, by control, for each of its two header bits' values."""
 _CODES = [(byte & 3, (byte >> 2) & 3, (byte >> 4) & 3, byte >> 6) for byte in range(256)]
-_END = "vertex stream: expected more bytes, got its end"
+_FLAGS = 10
+"""Place of a vertex's flags."""
 
 
 def decode_vertices(data: bytes | memoryview, count: int, stride: int = 12) -> Bytes:
-    """Decode ``count`` vertices (count, stride) uint8.
-
-    Raises BadInputError when the stream is not a vertex stream of that many vertices.
-    """
-    check_stride(stride)
+    """Decode ``count`` vertices (count, stride) uint8."""
     stream = np.frombuffer(data, np.uint8)
-    version = _HEADER.get(int(stream[0])) if len(stream) else None
-    if version is None:
-        raise BadInputError("vertex stream: expected header 0xa0 or 0xa1, got something else")
-    modes = stride // 4 if version else 0
-    tail = max(stride + modes, _TAIL_MIN[version])
-    if len(stream) < 1 + tail:
-        raise BadInputError(_END)
+    assert stream[0] == HEADER
+    modes = stride // 4
     channels = stream[len(stream) - modes :] & 15
-    if (channels > 1).any():
-        raise BadInputError("vertex stream: expected differences of bytes or words, got XOR")
-    body = stream[: len(stream) - tail]
-    values = _Walk(body, version).run(count, stride)
+    body = stream[: len(stream) - max(stride + modes, TAIL_MIN)]
+    values = _Walk(body).run(count, stride)
     first = stream[len(stream) - modes - stride : len(stream) - modes]
-    words = np.repeat(channels == 1, 4) if modes else np.zeros(stride, np.bool_)
-    return _integrate(values, words, first)[:count]
+    return _integrate(values, np.repeat(channels == 1, 4), first)[:count]
 
 
 def decode_points(data: bytes | memoryview, count: int) -> Bytes:
-    """Vertices (count, 12) of a chunk (``vertices.py``) with plain colours, as the page holds them.
-
-    Raises BadInputError as ``decode_vertices``.
-    """
+    """Vertices (count, 12) of a chunk with plain colours, as the page holds them."""
     vertices = decode_vertices(data, count)
-    plain_colors(vertices)
+    _plain_colors(vertices)
     return vertices
+
+
+def _plain_colors(vertices: Bytes) -> None:
+    """Replace the colours of decoded vertices (N, 12) by plain ones in place, as the page does."""
+    related = (vertices[:, _FLAGS] & RELATIVE).astype(np.bool_)
+    vertices[related, 6] += vertices[related, 7]
+    vertices[related, 8] += vertices[related, 7]
+    kind = vertices[:, _FLAGS] >> DROPPED_SHIFT
+    for dropped in range(1, MOST_DROPPED + 1):
+        values = vertices[kind == dropped, 6:9]
+        vertices[kind == dropped, 6:9] = (values << dropped) | (values >> (8 - 2 * dropped))
+    rows = kind == PACKED
+    low, high = vertices[rows, 6], vertices[rows, 7]
+    red, green, blue = low & 31, (low >> 5) | ((high & 7) << 3), high >> 3
+    vertices[rows, 6] = (red << 3) | (red >> 2)
+    vertices[rows, 7] = (green << 2) | (green >> 4)
+    vertices[rows, 8] = (blue << 3) | (blue >> 2)
+    vertices[:, _FLAGS] = 0
 
 
 class _Walk:
     """Finds the groups of a stream by reading it from the start; the lengths depend on the data."""
 
-    def __init__(self, body: Bytes, version: int) -> None:
-        self._body, self._version = body, version
+    def __init__(self, body: Bytes) -> None:
+        self._body = body
         self._raw = body.tobytes()
         self._at = 1
         self._lengths = {0: bytes(len(body)), 8: bytes([GROUP]) * len(body)}
@@ -83,22 +80,16 @@ class _Walk:
             points = min(size, count - first)
             for lane, control in enumerate(self._control(stride)):
                 self._lane(control, points, lane * groups + first // GROUP)
-        if self._at != len(self._raw):
-            raise BadInputError(
-                f"vertex stream: expected {self._at} bytes before the tail, got {len(self._raw)}"
-            )
+        assert self._at == len(self._raw)
         return self._gather(stride * groups).reshape(stride, groups * GROUP)
 
     def _control(self, stride: int) -> list[int]:
-        if self._version == 0:
-            return [0] * stride
         controls = [code for byte in self._take(stride // 4) for code in _CODES[byte]]
         return controls[:stride]
 
     def _take(self, length: int) -> bytes:
         taken = self._raw[self._at : self._at + length]
-        if len(taken) < length:
-            raise BadInputError(_END)
+        assert len(taken) == length
         self._at += length
         return taken
 
@@ -112,19 +103,16 @@ class _Walk:
             self._found[8].extend(found)
             self._take(points)
             return
-        choice = _BITS[self._version, control]
+        choice = _BITS[control]
         codes = [code for byte in self._take(-(-count // 4)) for code in _CODES[byte]]
         for group in range(count):
             bits = choice[codes[group]]
             if bits:
-                if self._at >= len(self._raw):
-                    raise BadInputError(_END)
                 self._found[bits].append((place + group, self._at))
                 self._at += self._lengths[bits][self._at]
 
     def _gather(self, groups: int) -> Bytes:
         values = np.zeros((groups, GROUP), np.uint8)
-        # A malformed stream may point past its end: zeros there, the walk has checked the total.
         padded = np.concatenate([self._body, np.zeros(2 * GROUP, np.uint8)])
         for bits, found in self._found.items():
             if found:
