@@ -529,6 +529,7 @@ def test_kitti_360_is_its_velodyne_alone(tmp_path: Path) -> None:
         points = np.random.default_rng(k).uniform(2, 40, (50, 4)).astype("<f4")
         points[:, 3] /= 40
         points.tofile(drive / "velodyne_points" / "data" / f"{k:010d}.bin")
+        points[:, :2].tofile(drive / "sick_points" / "data" / f"{k:010d}.bin")
     (tmp_path / "data_poses" / "drive").mkdir(parents=True)
     lines = [" ".join(map(str, [k, 1, 0, 0, 5 * k, 0, 1, 0, 0, 0, 0, 1, 0])) for k in range(3)]
     (tmp_path / "data_poses" / "drive" / "poses.txt").write_text("\n".join(lines))
@@ -538,9 +539,14 @@ def test_kitti_360_is_its_velodyne_alone(tmp_path: Path) -> None:
         "image_00: 1 0 0 2 0 1 0 0 0 0 1 0\n"
     )
     for options in ({}, {"sensors": "all"}):
-        frames = frames_of(drive, **options)
+        with reported() as warnings:
+            frames = frames_of(drive, **options)
+        assert any("sick_points is left out: profiles of KITTI-360's" in each for each in warnings)
         assert [frame.pose[0, 3] for frame in frames if frame.pose is not None] == [1.5, 6.5, 11.5]
         assert all(frame.sensor is None for frame in frames)
+    for place in (drive / "sick_points", drive / "sick_points" / "data"):
+        with pytest.raises(BadInputError, match="two coordinates a point; velodyne_points is read"):
+            frames_of(place)
 
 
 def test_options_of_sensors_are_checked() -> None:

@@ -50,6 +50,11 @@ SIDECARS = {
 
 NO_SENSOR = re.compile("^(raw|npz)$|label|annot|segm|mask|predict|result|truth")
 """Names of folders with a second format of the recording, or with other data per point."""
+PROFILES = "sick_points"
+"""Folder with the profiles of KITTI-360's second scanner, which are no clouds."""
+NO_CLOUDS = (
+    "profiles of KITTI-360's SICK scanner, of two coordinates a point; velodyne_points is read"
+)
 ARGOVERSE_SCANS = "sensors/lidar"
 """Folder of the scans in a log of Argoverse 2, among other tables."""
 
@@ -60,6 +65,8 @@ def list_folder(folder: Path, format: str | None, options: ReadOptions) -> Listi
 
     Raises BadInputError for none, for several formats, or for several recordings.
     """
+    if _has_profiles(folder):
+        raise BadInputError(f"{folder.name}: expected clouds of points, got {NO_CLOUDS}")
     scans = folder / ARGOVERSE_SCANS
     if (folder / ARGOVERSE_POSES).is_file() and scans.is_dir():
         return list_folder(scans, format, options)
@@ -155,7 +162,9 @@ def _warn_of_others(
     """Warn of folders with points or depth images that are not read, such as another sensor's."""
     others = []
     for place in folders_in(folder):
-        if place != taken and not NO_SENSOR.search(place.name.lower()):
+        if _has_profiles(place):
+            log.warning("%s: %s is left out: %s", folder.name, PROFILES, NO_CLOUDS)
+        elif place != taken and not NO_SENSOR.search(place.name.lower()):
             with suppress(BadInputError):
                 others += [place.name] * _has_points(place, format, options, False, images)
     if others:
@@ -165,6 +174,10 @@ def _warn_of_others(
             "its own files are" if taken is None else f"the folder {taken.name} is",
             ", ".join(others), folder.name, others[0],
         )  # fmt: skip
+
+
+def _has_profiles(folder: Path) -> bool:
+    return PROFILES in (folder.name, folder.parent.name) and any(folder.rglob("*.bin"))
 
 
 def _subfolder(folder: Path, format: str | None, options: ReadOptions, weakly: bool) -> Path | None:
