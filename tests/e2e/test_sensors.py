@@ -14,6 +14,8 @@ from tests.e2e.desk import Desk
 from tests.e2e.headset import wear
 from tests.e2e.server import LiveServer
 from tests.e2e.stage import FRAME, PERSON, TRUTH, make_workspace
+from tests.e2e.test_importing import choose
+from tests.formats.test_joined_sensors import two_lidars
 from tests.waiting import eventually
 
 RADIUS = 0.3
@@ -94,6 +96,28 @@ def align(desk: Desk) -> None:
     assert desk.ask(EYE) == pytest.approx(eye)
     sensors.get_by_role("button", name="Undo").click()
     desk.until(f"({MOUNT}) === {json.dumps(before)} && pb.labels()[1] === {labelled}")
+
+
+def test_the_lidars_of_a_bag_become_one_recording(
+    open_desk: Callable[..., Desk], server: LiveServer, tmp_path: Path
+) -> None:
+    desk = open_desk()
+    page = desk.page
+    dialog = choose(desk, [two_lidars(tmp_path)])
+    expect(dialog.get_by_label("Topic")).to_have_value("/front/points")
+    dialog.get_by_label("All sensors in one recording").check()
+    desk.until("pb.state.importing.value.busy === false")
+    expect(dialog.get_by_text("front (5 frames), rear (4 frames)")).to_be_visible()
+    expect(dialog.get_by_label("Topic")).to_have_count(0)
+    dialog.get_by_label("Name").fill("Van")
+    dialog.get_by_label("Name").press("Tab")
+    dialog.get_by_role("button", name="Import", exact=True).click()
+    expect(dialog).to_have_count(0)
+    page.locator(".toast").get_by_role("button", name="Open").click()
+    desk.until("pb.state.sequence.value?.name === 'Van'")
+    page.get_by_role("button", name="Sensors", exact=True).click()
+    for name in ("front", "rear"):
+        expect(page.get_by_role("dialog", name="Sensors").get_by_text(name)).to_be_visible()
 
 
 def test_in_the_headset_a_stroke_leaves_the_points_of_a_hidden_sensor(

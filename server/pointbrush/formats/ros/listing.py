@@ -129,8 +129,8 @@ def _all_topics(bag: Bag, path: Path, first: Sequence[str]) -> list[str]:
     far = [f"{each.name} ({each.count})" for each in topics if each not in near]
     if far:
         log.warning(
-            "%s: topics with another rate of clouds are left out: %s; --topic, once for each "
-            "sensor, reads them", path.name, ", ".join(far),
+            "%s: topics with another rate of clouds are left out (--topic, once for each sensor, "
+            "reads them): %s", path.name, ", ".join(far),
         )  # fmt: skip
     others = [each.name for each in near if each is not reference]
     return [*(first or [reference.name]), *others]

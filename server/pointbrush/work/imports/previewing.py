@@ -89,8 +89,9 @@ def preview(request: ImportRequest, limits: Limits) -> Preview:
         first = next(frame for frame in frames if len(frame))
         poses = _poses(listing, frames, warnings)
         units = guess_units(first.xyz, listing.format)
-        # Unknown for files with several frames, as counting would read all of them.
-        count = None if any(each.place for each in source.origins) else source.count
+        # Unknown for files with several frames, as counting would read all of them; bags count.
+        uncounted = not listing.topics and any(each.place for each in source.origins)
+        count = None if uncounted else source.count
         fps, fps_from = source.rate(request.fps)
         if count == 1 and fps_from == ASSUMED:
             fps, fps_from = SINGLE_FPS, SINGLE

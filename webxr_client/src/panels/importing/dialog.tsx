@@ -163,7 +163,7 @@ function Recording({ draft }: { draft: ImportDraft }) {
           />
         </Row>
         <Axes found={found} options={options} />
-        {found && <Topics found={found} options={options} />}
+        <Topics found={found} options={options} />
         <Poses found={found} options={options} />
       </div>
       {found && <Facts found={found} />}
@@ -293,12 +293,12 @@ function signed(axis: string): string {
   return axis.startsWith('-') ? `−${axis.slice(1)}` : `+${axis}`;
 }
 
-function Topics({ found, options }: { found: ImportPreview; options: ImportOptions }) {
-  const clouds = found.topics.filter((topic) => topic.clouds);
-  if (found.topics.length < 2) return null;
+function Topics({ found, options }: CorrectedProps) {
+  const all = options.sensors === 'all';
+  const clouds = found?.topics.filter((topic) => topic.clouds) ?? [];
   return (
     <>
-      {options.sensors !== 'all' && (
+      {!all && found && found.topics.length > 1 && (
         <ChoiceRow
           label="Topic"
           value={options.topic ?? found.topics.find((topic) => topic.read)?.name ?? ''}
@@ -309,11 +309,11 @@ function Topics({ found, options }: { found: ImportPreview; options: ImportOptio
           onChange={(value) => void correctImport({ topic: value })}
         />
       )}
-      {clouds.length > 1 && (
+      {(all || clouds.length > 1) && (
         <Check
           label="All sensors in one recording"
-          checked={options.sensors === 'all'}
-          onChange={(all) => void correctImport({ sensors: all ? 'all' : null })}
+          checked={all}
+          onChange={(checked) => void correctImport({ sensors: checked ? 'all' : null })}
         />
       )}
     </>

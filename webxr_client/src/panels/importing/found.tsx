@@ -8,10 +8,12 @@ const OPEN_FILES = 8;
 const LISTED_FILES = 500;
 /** The server's name of the option to match files by their order. */
 const BY_ORDER = ' (--by-order)';
+/** Options of the command line in messages of the server that have a field on the page. */
+const OPTIONS = / \(--(by-order|topic)[^)]*\)/g;
 
 /** Return a message of the server without options of the command line. */
 export function onPage(words: string): string {
-  return words.replace(BY_ORDER, '');
+  return words.replace(OPTIONS, '');
 }
 
 /** Return whether matching by order is chosen, or suggested by a message of the server. */
