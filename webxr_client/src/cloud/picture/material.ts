@@ -54,7 +54,7 @@ const [PIXELS_PER_METRE, PIXEL_LIMITS, GAIN] = [0, 1, 3];
 const [COLOUR_MODE, HAS_INTENSITY, LABEL_BLEND, HIDE_UNLABELED] = [4, 5, 6, 7];
 const HEIGHT_ROW = 8;
 const [BRUSH_A, BRUSH_RADIUS, BRUSH_B, BRUSH_MODE] = [12, 15, 16, 19];
-const [DISTANCE_ROW, RAMP_LOW, RAMP_SCALE, RAMP_KIND, SURFACE] = [28, 32, 33, 34, 35];
+const [DISTANCE_SCALE, RAMP_LOW, RAMP_SCALE, RAMP_KIND, SURFACE] = [31, 32, 33, 34, 35];
 const [INTENSITY_FIT, MAPPING, SEVERAL_SENSORS] = [36, 38, 39];
 const CLIP = 40;
 const [BRUSH_COLOUR, ONLY_UNLABELED, SHOW_DELETED, PULSE] = [20, 23, 24, 25];
@@ -136,9 +136,9 @@ export class PointUniforms {
     this.settings.value.set([e[1] / span, e[5] / span, e[9] / span, (e[13] - low) / span], HEIGHT_ROW); // prettier-ignore
   }
 
-  /** The distance ramp runs from the sensor, at the local origin, to the greatest distance, metres. */
+  /** The distance ramp runs from each point's sensor to the greatest distance, metres. */
   setDistance(greatest: number): void {
-    this.settings.value.set([0, 0, 0, 1 / Math.max(1e-3, greatest)], DISTANCE_ROW);
+    this.settings.value[DISTANCE_SCALE] = 1 / Math.max(1e-3, greatest);
   }
 
   /** Light up the points in a ball, local coordinates and metres. */
@@ -227,14 +227,17 @@ export class PointUniforms {
   }
 }
 
-/** Origins and scales of a slot's chunks, one row each. */
+/** Numbers of a row of a chunk table: three texels. */
+const ROW = 12;
+
+/** Origins and scales of a slot's chunks, and the places of their sensors, one row each. */
 export class ChunkTable {
   readonly texture: DataTexture;
-  private readonly data = new Float32Array(MAX_CHUNKS * 8);
+  private readonly data = new Float32Array(MAX_CHUNKS * ROW);
   /** The same memory: three.js copies from a texture that it has not uploaded itself. */
   private readonly source: DataTexture;
   /** The rows that changed. */
-  private readonly changed = new Box2(new Vector2(), new Vector2(2, 0));
+  private readonly changed = new Box2(new Vector2(), new Vector2(ROW / 4, 0));
 
   constructor(private readonly renderer: WebGLRenderer) {
     this.texture = table(this.data);
@@ -248,23 +251,24 @@ export class ChunkTable {
       const piece = frame.pieces[i]!;
       const row = piece.index % MAX_CHUNKS;
       this.place(row, piece);
-      writeDensity(this.data, row * 8 + 3, frame, piece, shown);
+      writeDensity(this.data, row * ROW + 3, frame, piece, shown);
     }
     this.upload();
   }
 
   setRow(row: number, piece: Piece, factor: number): void {
     this.place(row, piece);
-    this.data[row * 8 + 3] = factor;
+    this.data[row * ROW + 3] = factor;
   }
 
-  private place(row: number, { origin, scale, sensor }: Piece): void {
+  private place(row: number, { origin, scale, sensor, eye }: Piece): void {
     const { data } = this;
     const { min, max } = this.changed;
-    data[row * 8 + 7] = sensor;
+    data[row * ROW + 7] = sensor;
     for (let k = 0; k < 3; k++) {
-      data[row * 8 + k] = origin[k]!;
-      data[row * 8 + 4 + k] = scale[k]!;
+      data[row * ROW + k] = origin[k]!;
+      data[row * ROW + 4 + k] = scale[k]!;
+      data[row * ROW + 8 + k] = eye[k]!;
     }
     if (max.y === 0 || row < min.y) min.y = row;
     if (row >= max.y) max.y = row + 1;
@@ -316,7 +320,7 @@ export class Placement {
   }
 }
 
-function table(data: Float32Array<ArrayBuffer>, width = 2, rows = MAX_CHUNKS): DataTexture {
+function table(data: Float32Array<ArrayBuffer>, width = ROW / 4, rows = MAX_CHUNKS): DataTexture {
   const texture = new DataTexture(data, width, rows, RGBAFormat, FloatType);
   texture.minFilter = NearestFilter;
   texture.magFilter = NearestFilter;

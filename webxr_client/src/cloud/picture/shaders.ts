@@ -20,7 +20,7 @@ in vec3 quantised;
 in vec4 colour;      // r, g, b, intensity
 in float stamp;      // chunk * 64 + size code
 in float label;
-uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale + sensor
+uniform sampler2D chunkTable;   // row per chunk: origin + density factor; scale + sensor; the sensor's place
 uniform int chunkRow;           // >= 0: every point of this draw is of this chunk
 #endif
 
@@ -49,7 +49,7 @@ uniform vec4 settings[${SETTING_ROWS}];    // all else, in the order of material
 #define brushColour settings[5].xyz
 #define brushOnlyUnlabeled int(settings[5].w)
 #define showDeleted int(settings[6].x)
-#define distanceRow settings[7]                 // the sensor, local; 1 / its greatest distance
+#define distanceScale settings[7].w             // 1 / the greatest distance from a sensor
 #define rampLow settings[8].x
 #define rampScale settings[8].y
 #define rampKind int(settings[8].z)             // 0 even, 1 grey, 2 rainbow
@@ -155,6 +155,7 @@ void main() {
   int id = int(texelFetch(labels, ends[0], 0).r);
   vec3 position = placeOf(pixel, depth);
   float spacing = steps.x * between() * depth;
+  float away = colourMode == 4 ? distance(position, rays[0].xyz) : 0.0;
 #else
   int word = int(stamp);
   int row = chunkRow >= 0 ? chunkRow : word >> 6;
@@ -164,6 +165,8 @@ void main() {
   vec3 position = origin.xyz + quantised * scale.xyz;
   float spacing = 0.0005 * exp2(float(word & 63) * 0.25) * origin.w;
   int id = int(label);
+  vec4 eye = colourMode == 4 ? texelFetch(chunkTable, ivec2(2, row), 0) : origin;
+  float away = distance(position, eye.xyz);
 #endif
 #ifdef PLACED
   mat4 at = placed;
@@ -194,7 +197,7 @@ void main() {
   else if (colourMode == 5) base = colour.rgb;
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
   else if (colourMode == 2) base = ramp(dot(heightRow, vec4(position, 1.0)));
-  else if (colourMode == 4) base = ramp(distance(position, distanceRow.xyz) * distanceRow.w);
+  else if (colourMode == 4) base = ramp(away * distanceScale);
   else if (colourMode == 7) base = ofSensor.rgb * mix(0.55, 1.15, lightness());
   else {
     base = vec3(0.72, 0.74, 0.77);
@@ -231,8 +234,7 @@ void main() {
   bool edged = id >= 65473 && id <= 65534 || id == 65344;
   shade = vec4(base, edged && outlining > 0.5 ? 0.5 : 1.0);
 
-  vec4 eye = modelViewMatrix * vec4(position, 1.0);
-  gl_Position = projectionMatrix * eye;
+  gl_Position = projectionMatrix * (modelViewMatrix * vec4(position, 1.0));
 #ifndef SURFACE
   float zoom = length(modelViewMatrix[0].xyz);
   pixels = pixelsPerMetre * projectionMatrix[1][1] * spacing * zoom / max(gl_Position.w, 1e-4);

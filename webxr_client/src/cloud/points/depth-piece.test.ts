@@ -33,7 +33,7 @@ function wall(level: 0 | 1, colours: Colours | null): Segment {
   for (const pixel of pixels) depths[pixel] = depths[pixel - level] = 2000;
   const [origin, scale] = [[-1, -1, 0], [1 / 32768, 1 / 32768, 0.001]] as const; // prettier-ignore
   const first = level * pixels.length;
-  const chunk = { index: level, level, first, count: pixels.length, sensor: 0, start: 0, origin, scale, lo: origin, hi: [1, 1, 2] }; // prettier-ignore
+  const chunk = { index: level, level, first, count: pixels.length, sensor: 0, eye: origin, start: 0, origin, scale, lo: origin, hi: [1, 1, 2] }; // prettier-ignore
   return {
     sequence: 's',
     frame: 0,

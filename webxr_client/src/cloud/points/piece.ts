@@ -12,6 +12,7 @@ export interface Piece {
   readonly index: number;
   readonly level: number;
   readonly sensor: number;
+  readonly eye: readonly [number, number, number];
   /** Stored number of the first point. */
   readonly first: number;
   readonly count: number;

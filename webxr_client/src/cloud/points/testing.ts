@@ -27,7 +27,7 @@ export function segmentOf(
       [0, 1, 2].map((k) => pick(...part.map((point) => point[k]!)) * SCALE) as Vector;
     const [lo, hi] = [corner(Math.min), corner(Math.max)];
     const first = from + start;
-    chunks.push({ index: from + level, level, first, count: part.length, sensor: 0, start, origin, scale, lo, hi }); // prettier-ignore
+    chunks.push({ index: from + level, level, first, count: part.length, sensor: 0, eye: origin, start, origin, scale, lo, hi }); // prettier-ignore
     start += part.length;
   });
   return {

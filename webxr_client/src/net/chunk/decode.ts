@@ -2,7 +2,7 @@
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import type { Chunk, Frame, SequenceInfo } from '../../protocol/messages';
 import { finishChunk } from './density';
-import { boxGrid, mountOf, move } from './grid';
+import { boxGrid, eyeOf, mountOf, move } from './grid';
 import type { BufferPool } from './pool';
 import { MAX_CHUNKS, STRIDE, WORDS, type Segment, type SegmentChunk } from './segment';
 
@@ -47,7 +47,7 @@ export function decodeChunks(
     const mount = mountOf(info, sensor, frame);
     const grid = mount ? boxGrid(info.lo, info.hi) : { origin, scale };
     if (mount) move(new Uint16Array(vertices, start * STRIDE, count * WORDS), chunk, mount, grid);
-    chunks.push({ ...chunk, ...grid, sensor, start });
+    chunks.push({ ...chunk, ...grid, sensor, eye: eyeOf(mount), start });
     start += count;
   }
   return { vertices, chunks };

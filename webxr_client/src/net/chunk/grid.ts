@@ -33,6 +33,11 @@ export function mountOf({ sensors }: SequenceInfo, sensor: number, frame: number
   return product(mounts[mounts.length > 1 ? frame : 0]!, correction);
 }
 
+/** Position of a sensor by its mount, local metres. */
+export function eyeOf(mount: Matrix | null): Vector {
+  return mount ? [mount[3]!, mount[7]!, mount[11]!] : [0, 0, 0];
+}
+
 export function product(a: Matrix, b: Matrix): number[] {
   return Array.from({ length: 16 }, (_, at) =>
     [0, 1, 2, 3].reduce((sum, k) => sum + a[(at & 12) + k]! * b[4 * k + (at & 3)]!, 0),

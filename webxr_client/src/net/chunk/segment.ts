@@ -17,6 +17,8 @@ export interface SegmentChunk {
   readonly count: number;
   /** Number of the sensor that all points are of; 0 in a recording of one sensor. */
   readonly sensor: number;
+  /** Position of one of several sensors, local metres; else the local origin. */
+  readonly eye: readonly [number, number, number];
   /** Offset of the points in the segment's vertices, in points. */
   readonly start: number;
   readonly origin: readonly [number, number, number];

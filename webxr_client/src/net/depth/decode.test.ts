@@ -30,6 +30,7 @@ interface Rig {
   every: number;
   xyz_base64: string;
   sensor: number[];
+  sensors: SequenceInfo['sensors'];
 }
 
 function readGolden(name: string): { data: Uint8Array; golden: Golden; xyz: Float32Array } {
@@ -250,6 +251,10 @@ describe('a frame of two depth cameras and a lidar that Python encoded', () => {
       const number = golden.every * i;
       const piece = frame.pieceOf(number)!;
       expect(piece.sensor).toBe(sensor);
+      const { T_frame_sensor: mounts, correction } = golden.sensors[sensor]!;
+      const moved = Math.hypot(...[3, 7, 11].map((at) => correction[at]!));
+      const away = [3, 7, 11].map((at, k) => piece.eye[k]! - mounts[0]![at]!);
+      expect(Math.hypot(...away)).toBeCloseTo(moved, 6);
       for (const k of [0, 1, 2] as const) {
         const at = piece.origin[k] + piece.words[6 * (number - piece.first) + k]! * piece.scale[k];
         expect(Math.abs(at - xyz[3 * i + k]!)).toBeLessThanOrEqual(golden.position_error);

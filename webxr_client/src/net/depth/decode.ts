@@ -1,7 +1,7 @@
 /** A depth message → the depth images so far. */
 import type { Chunk, Depth, DepthChunk, SequenceInfo } from '../../protocol/messages';
 import { decodeChunks } from '../chunk/decode';
-import { boxGrid, mountOf } from '../chunk/grid';
+import { boxGrid, eyeOf, mountOf } from '../chunk/grid';
 import type { BufferPool } from '../chunk/pool';
 import type { Colours, DepthImage, Segment, SegmentChunk } from '../chunk/segment';
 import { Camera, type Known } from './camera';
@@ -126,7 +126,8 @@ export class DepthDecoder {
     const started = performance.now();
     const listed = this.join(camera, run, before);
     const grid = gridOf({ lattice, mount }, boxGrid(this.info!.lo, this.info!.hi));
-    const chunks = run.chunks.map((chunk) => ({ ...chunk, ...grid, sensor, start: 0 }));
+    const own = { ...grid, sensor, eye: eyeOf(mount), start: 0 };
+    const chunks = run.chunks.map((chunk) => ({ ...chunk, ...own }));
     const done = (before?.chunks ?? 0) + chunks.length;
     if (!final) {
       const known = camera.save(camera.bands[done - 1]!.step);
