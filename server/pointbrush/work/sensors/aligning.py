@@ -141,9 +141,10 @@ class _Corrections(Receiver):
         if cancelled:
             return {"sensors": [], MESSAGE: "no mount was changed"}
         library = self._context.library
-        sensors = library.recording(self._sequence).manifest.sensors
-        if library.recording(self._sequence).manifest.placement != self._request.placement:
+        manifest = library.recording(self._sequence).manifest
+        if manifest.placement != self._request.placement:
             raise ConflictError("sensors: the mounts were changed during the alignment")
+        sensors = manifest.sensors
         if self._request.undo:
             changed = [sensor.previous or sensor.correction for sensor in sensors]
         else:
