@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation
 
 from pointbrush.errors import BadInputError, ForbiddenError, NotFoundError
 from pointbrush.formats import Limits, open_source, reported
+from pointbrush.formats.sensors.clocks import clock_offset
 from pointbrush.formats.sensors.joining import joined_frames
 from pointbrush.formats.tables.corrections import Corrections, parse_corrections
 from pointbrush.frame import PointFrame, Sensor, frame_of_part, to_frame
@@ -227,6 +228,19 @@ def test_a_clock_offset_is_estimated_from_motion(tmp_path: Path) -> None:
         np.save(path, seen([0.0], int(path.stem), np.eye(4))[0])
     with pytest.raises(BadInputError, match="expected motion that a sees as well"):
         frames_of(tmp_path, clock_offset=["b=auto"])
+    (tmp_path / "b" / "times.txt").unlink()
+    with pytest.raises(BadInputError, match="b: expected times of its frames"):
+        frames_of(tmp_path, clock_offset=["b=auto"])
+
+
+def test_noise_and_broken_clocks_give_no_clock_offset() -> None:
+    rng, times = np.random.default_rng(4), np.arange(15) / 10
+    for _ in range(100):
+        first, second = rng.normal(1, 0.1, (2, 14))
+        assert not clock_offset(first, times, second, times).is_clear
+    gap = np.append(times[:-1], 1e9)
+    for broken in (np.zeros(15), gap):
+        assert not clock_offset(first, broken, second, times).is_clear
 
 
 # ── folders ──────────────────────────────────────────────────────────────────────────────────

@@ -24,15 +24,20 @@ LEAST_CHANGES = 10
 """Least number of changes of each sensor."""
 LEAST = 0.6
 """Least correlation of the changes that both sensors see."""
-LEAST_LEAD = 0.1
-"""Least lead of the correlation over that of offsets more than two periods away."""
+LEAST_SCORE = 4.5
+"""Least significance: Fisher's z of the correlation, in its standard deviations without motion.
+With some 100 offsets to choose from, noise reaches 3.5."""
+LEAST_LEAD = 1.0
+"""Least lead of the significance over that of offsets more than two periods away."""
+MOST_OFFSETS = 20_000
+"""Most offsets to try; only a gap in the times of some frames gives more."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
     """Seconds to add to the times of a sensor, and the correlation of changes by it.
 
-    ``is_clear``: the correlation is high, and much lower at other offsets.
+    ``is_clear``: the correlation is high, and less significant at other offsets.
     """
 
     seconds: float
@@ -69,25 +74,31 @@ def clock_offset(
         return ClockOffset(0.0, 0.0, False)
     a, b = (np.array(t[: len(s) + 1]) for s, t in ((reference, at), (other, times)))
     a, b = (a[1:] + a[:-1]) / 2, (b[1:] + b[:-1]) / 2
-    period = float(max(np.median(np.diff(a)), np.median(np.diff(b))))
-    step = float(min(np.median(np.diff(a)), np.median(np.diff(b)))) / STEPS
+    periods = [float(np.median(np.diff(each))) for each in (a, b)]
+    step = min(periods) / STEPS
     least = LEAST_OVERLAP * min(np.ptp(a), np.ptp(b))
-    offsets = np.arange(a[0] - b[-1] + least, a[-1] - b[0] - least + step, step)
-    found = np.array([_correlation(reference, a, other, b + each) for each in offsets])
-    best = int(found.argmax())
-    away = found[np.abs(offsets - offsets[best]) > 2 * period]
-    lead = found[best] - away.max(initial=0.0)
+    first, last = a[0] - b[-1] + least, a[-1] - b[0] - least
+    if not 0 < last - first < MOST_OFFSETS * step:
+        return ClockOffset(0.0, 0.0, False)
+    offsets = np.arange(first, last + step, step)
+    found, count = np.array([_correlation(reference, a, other, b + each) for each in offsets]).T
+    score = np.arctanh(found.clip(-0.999, 0.999)) * np.sqrt(np.maximum(count - 3, 0))
+    best = int(score.argmax())
+    away = score[np.abs(offsets - offsets[best]) > 2 * max(periods)]
+    lead = score[best] - away.max(initial=0.0)
     peak = found[max(best - 1, 0) : best + 2]
     bend = peak[0] - 2 * peak[1] + peak[-1] if len(peak) == 3 else 0.0
     shift = step * (peak[0] - peak[-1]) / (2 * bend) if bend < 0 else 0.0
-    clear = bool(found[best] >= LEAST and lead >= LEAST_LEAD)
-    return ClockOffset(float(offsets[best] + shift), float(found[best]), clear)
+    clear = found[best] >= LEAST and score[best] >= LEAST_SCORE and lead >= LEAST_LEAD
+    return ClockOffset(float(offsets[best] + shift), float(found[best]), bool(clear))
 
 
-def _correlation(reference: Signal, a: Signal, other: Signal, b: Signal) -> float:
-    """Return the correlation of two signals while both are known, 0 for constant ones."""
+def _correlation(reference: Signal, a: Signal, other: Signal, b: Signal) -> tuple[float, int]:
+    """Return the correlation of two signals while both are known, 0 for constant ones, and the
+    number of their values.
+    """
     inside = (a >= b[0]) & (a <= b[-1])
     first, second = reference[inside], np.interp(a[inside], b, other)
     if len(first) < 3 or not (np.std(first) > 0 and np.std(second) > 0):
-        return 0.0
-    return float(np.corrcoef(first, second)[0, 1])
+        return 0.0, len(first)
+    return float(np.corrcoef(first, second)[0, 1]), len(first)

@@ -154,8 +154,13 @@ def _on_clock(reference: Stream, stream: Stream, options: ReadOptions) -> Stream
     A warning states the estimate.  Raises BadInputError if it is not clear.
     """
     at, times = reference.times, stream.times
-    if stream.known.offset is not None or at is None or times is None:
+    if stream.known.offset is not None:
         return stream
+    if at is None or times is None:
+        raise BadInputError(
+            f"{stream.name if times is None else reference.name}: expected times of its frames "
+            "(timestamps.txt) for an estimate of the clock offset, got none"
+        )
     seen = [
         changes(_frames(each.listing, range(min(len(known), MOST_FRAMES)), options))
         for each, known in ((reference, at), (stream, times))
