@@ -161,7 +161,7 @@ def test_cityscapes_writes_class_and_object_in_16_bits(tmp_path: Path) -> None:
         ),
         (
             lambda folder: (folder / "1.png").write_bytes(b"\x89PNG"),
-            "a/1.png: expected a mask in PNG, cannot identify",
+            "a/1.png: expected a mask in PNG, got another kind",
         ),
     ],
 )

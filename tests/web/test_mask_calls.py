@@ -20,6 +20,7 @@ from pointbrush.sequences import RecordingInfo, import_frames
 from tests.depth_camera import FOCAL, HEIGHT, WIDTH, depth_camera, grey_pictures
 from tests.services import example_service
 from tests.serving import TOKEN, Served, serving, settings_in
+from tests.web.calls import npy
 
 K = np.array([[FOCAL, 0, 64], [0, FOCAL, 53], [0, 0, 1.0]])
 PART = (slice(20, 50), slice(30, 90))
@@ -106,9 +107,11 @@ def test_png_of_labels_comes_back_as_the_same_labels(served: Served, kinect: Rec
     frame, label = kinect.frames[0], kinect.create_label("brick", color="#102030")
     mask = np.zeros((HEIGHT, WIDTH), np.uint8)
     mask[PART] = 1
-    frame.set_mask("depth", mask, {1: "brick"})
-    given = frame.annotation()
     url = f"{served.url}/api/v1/sequences/kinect/frames/0/masks/"
+    whole = served.headers | {"Content-Type": "application/x-npy"}
+    big_endian = npy(mask.astype(">u2") * label.id)
+    assert httpx.put(url + "depth", content=big_endian, headers=whole).is_success
+    given = frame.annotation()
     for camera, unlabelled in (("depth", 0.0), ("colour", 0.1)):
         answer = httpx.get(url + camera, headers=served.headers)
         image = Image.open(io.BytesIO(answer.content))

@@ -64,18 +64,20 @@ def _data(body: bytes | bytearray, offset: int, found: np.dtype[Any], count: int
 def parse_image(
     body: bytes | bytearray, dtypes: Sequence[np.dtype[Any]], size: tuple[int, int]
 ) -> NDArray[Any]:
-    """Return the array (H, W) of a ``.npy`` body of one of ``dtypes``; ``size``: width, height.
+    """Return the array (H, W) of a ``.npy`` body of one of ``dtypes``, of any byte order.
 
+    ``size``: width and height.
     Raises MalformedError (no .npy) or BadInputError (another type or shape).
     """
     shape, fortran, found, offset = _header(body)
     expected = size[::-1]
-    if found not in dtypes:
+    if found.newbyteorder("=") not in dtypes:
         raise BadInputError(f"array: expected {' or '.join(map(str, dtypes))}, got {found}")
     if shape != expected:
         raise BadInputError(f"array: expected shape {expected}, height and width, got {shape}")
     flat = _data(body, offset, found, shape[0] * shape[1])
-    return flat.reshape(shape, order="F" if fortran else "C")
+    native = flat.astype(found.newbyteorder("="), copy=False)
+    return native.reshape(shape, order="F" if fortran else "C")
 
 
 def of_array(array: NDArray[Any]) -> bytes:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from pointbrush.errors import BadInputError, PointbrushError
 
@@ -21,6 +21,8 @@ def opened(name: str, source: Path | BinaryIO, wanted: str) -> Iterator[Image.Im
             yield image
     except PointbrushError:
         raise
+    except UnidentifiedImageError:  # its message has the path, or the address of an object
+        raise BadInputError(f"{name}: expected {wanted}, got another kind of file") from None
     except Exception as error:
         reason = str(error).split("\n")[0][:120] or type(error).__name__
         raise BadInputError(f"{name}: expected {wanted}, {reason}") from None
