@@ -67,6 +67,16 @@ def test_lines_that_are_no_labels_say_so(tmp_path: Path) -> None:
         read(tmp_path)
 
 
+def test_flat_arrays_are_labels_in_a_folder_of_any_name(tmp_path: Path) -> None:
+    place = tmp_path / "truth"
+    place.mkdir()
+    for name in ("0000", "0001"):
+        np.save(place / f"{name}.npy", np.array([0, 7], np.uint16))
+    assert read(place) == [[0, 7], [0, 7]]
+    np.save(place / "0002.npy", np.zeros((2, 3)))
+    assert find_label_files(place, None, {}, Limits()).format == "points"
+
+
 def test_labelcloud_marks_points_with_the_classes_that_it_states(tmp_path: Path) -> None:
     """labelCloud io/segmentations/numpy.py, model/point_cloud.py: an int8 a point; points have the
     default class until somebody labels them."""

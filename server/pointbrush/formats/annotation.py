@@ -13,7 +13,13 @@ from pointbrush.formats.boxes.registry import BOX_READERS, is_box_file
 from pointbrush.formats.masks.registry import MASK_FORMATS, mask_files
 from pointbrush.formats.options import Limits, ReadOptions, read_bytes
 from pointbrush.formats.own_export import OwnExport, own_export
-from pointbrush.formats.point_labels import LINE_ENDINGS, READERS, PointLabels, has_label_lines
+from pointbrush.formats.point_labels import (
+    LINE_ENDINGS,
+    READERS,
+    PointLabels,
+    has_label_array,
+    has_label_lines,
+)
 from pointbrush.formats.readers.s3dis import FOLDER as OBJECTS
 from pointbrush.formats.readers.s3dis import is_object
 from pointbrush.formats.registry import format_by_name
@@ -121,7 +127,8 @@ def _choose(files: list[Path], format: str | None) -> tuple[str, list[Path]]:
         return format, _fitting(files, format)
     for name in (each for each in LABEL_FORMATS if each != "las"):
         if fitting := _fitting(files, name, sure=name != "points"):
-            return name, fitting
+            only_numbers = name == "points" and all(map(has_label_array, fitting))
+            return ("npy" if only_numbers else name), fitting
     return "points", []
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
+from pointbrush.exchange.npz import read_header
 from pointbrush.exchange.npz import read_npz as read_arrays
 from pointbrush.formats.options import ReadOptions, read_bytes, require_count
 from pointbrush.formats.readers.kitti import read_label
@@ -100,6 +101,18 @@ def _read_lines(path: Path, options: ReadOptions) -> PointLabels:
     text = rest if not is_number(_line(head)) else head + b"\n" + rest
     require_count(path.name, text.count(b"\n"), options.limits)
     return _of_numbers(path.name, parse_numbers(path.name, text))
+
+
+def has_label_array(path: Path) -> bool:
+    """Return whether a file is a ``.npy`` of one number for each row, which no points have."""
+    if path.suffix.lower() != ".npy":
+        return False
+    try:
+        with path.open("rb") as file:
+            shape, _, dtype = read_header(file)
+    except BadInputError:
+        return False
+    return len(shape) == 1 and dtype.names is None
 
 
 def has_label_lines(path: Path) -> bool:
