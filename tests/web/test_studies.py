@@ -379,6 +379,8 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
         ("title: &a T\nconsent: *a", "without aliases"),
         (json.dumps(STUDY | {"questionnaires": [{"name": "iou"}]}), "results, got 'iou' twice"),
         (json.dumps(STUDY | {"questionnaires": [{"name": "q"}, {"name": "q"}]}), "'q' twice"),
+        (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"frames": "x"}]}), "got 'x'$"),
+        (json.dumps(STUDY | {"tasks": 3}), "valid list, got '3'$"),
         (json.dumps(STUDY | {"seed": "x"}), "seed.*got 'x'"),
         (json.dumps(STUDY | {"design": "both"}), "design"),
         (json.dumps(STUDY | {"tasks": [STUDY["tasks"][0] | {"labels": ["up"]}]}), "left, right"),

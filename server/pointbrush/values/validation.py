@@ -7,7 +7,12 @@ from typing import Any
 
 
 def describe(found: Sequence[Any], most: int = 5) -> str:
-    """Return Pydantic's errors as one line: place, expected value and received value of each."""
+    """Return Pydantic's errors as one line: place, expected value and received value of each.
+
+    Errors of lists and objects that follow from errors of their items are left out.
+    """
+    outer = {tuple(item["loc"][:depth]) for item in found for depth in range(len(item["loc"]))}
+    found = [item for item in found if tuple(item["loc"]) not in outer]
     lines = []
     for item in found[:most]:
         malformed = item["type"] == "json_invalid"
@@ -22,7 +27,7 @@ def _complaint(item: Any) -> str:
     """Return Pydantic's message in terms of JSON: dataclasses have keywords and tuples instead."""
     if item["type"] == "unexpected_keyword_argument":
         return "Extra inputs are not permitted"
-    return str(item["msg"]).replace("Tuple ", "List ")
+    return str(item["msg"]).replace("Tuple ", "List ").replace("valid tuple", "valid list")
 
 
 def _got(item: Any) -> str:

@@ -141,9 +141,10 @@ def _joined(
         return JoinedSensor(stream.sensor, own, 0), list(range(own))
     for each, known in ((reference, at), (stream, times)):
         if known is None or (np.diff(known) < 0).any():
+            got = "none" if known is None else "times that go back"
             raise BadInputError(
                 f"{each.name}: expected increasing times of its frames (timestamps.txt), got "
-                f"{'none' if known is None else 'others'}; by_order joins frames in their order"
+                f"{got}; by_order joins frames in their order"
             )
     return _by_time(reference, stream, at or [], times or [])
 

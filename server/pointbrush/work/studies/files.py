@@ -64,7 +64,7 @@ def parse(text: str, name: str = "study") -> Study:
     try:
         return TypeAdapter(Study).validate_python(parse_yaml(text))
     except ValidationError as error:
-        found = describe(error.errors(include_url=False)[:1])  # errors of outer values follow
+        found = describe(error.errors(include_url=False))
         raise BadInputError(f"{name}: {found}") from None
     except ValueError as error:
         raise BadInputError(f"{name}: expected YAML, got {error}") from None
