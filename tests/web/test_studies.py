@@ -7,6 +7,7 @@ import io
 import json
 import uuid
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -391,6 +392,25 @@ def test_invalid_studies_name_the_fault(lead: Client) -> None:
             ask(lead, "POST", body={"text": text})
     with pytest.raises(ConflictError, match="without participants"):
         ask(lead, "PUT", "/halves", {"text": json.dumps(STUDY)})
+
+
+def test_studies_created_at_once_have_different_ids(lead: Client) -> None:
+    text = json.dumps(STUDY | {"title": "At once"})
+    with ThreadPoolExecutor(8) as pool:
+        made = [*pool.map(lambda _: ask(lead, "POST", body={"text": text})["id"], range(8))]
+    assert len(set(made)) == 8
+    for study in made:
+        ask(lead, "DELETE", f"/{study}")
+
+
+def test_a_label_that_was_renamed_is_named(
+    people: list[Person], lead: Client, server: Served
+) -> None:
+    left = lead["wall"].label("left")
+    lead["wall"].update_label(left.id, name="west")
+    with pytest.raises(BadInputError, match="some of west, right for halves, got 'left'"):
+        ask(lead, "GET", "/halves/results")
+    lead["wall"].update_label(left.id, name="left")
 
 
 def test_a_study_is_a_text(people: list[Person], lead: Client, server: Served) -> None:

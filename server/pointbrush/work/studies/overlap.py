@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.errors import BadInputError
 from pointbrush.labels.draft import Changes
 from pointbrush.labels.packing import BLOCK, LABELS, deleted_of, label_of
 from pointbrush.labels.types import EditInfo, FrameValues
@@ -31,9 +32,16 @@ def shown(values: FrameValues) -> Labels:
 
 
 def ids_of(store: WorkspaceStore, task: StudyTask) -> tuple[int, ...]:
-    """Return the ids of the labels to reach, in the order of the task."""
+    """Return the ids of the labels to reach, in the order of the task.
+
+    Raises BadInputError for a name that the palette lacks, such as that of a renamed label.
+    """
     ids = {each.name: each.id for each in store.palette(task.recording)}
-    return tuple(ids[name] for name in task.labels if name in ids)
+    if lacking := [name for name in task.labels if name not in ids]:
+        raise BadInputError(
+            f"labels: expected some of {', '.join(ids)} for {task.name}, got {lacking[0]!r}"
+        )
+    return tuple(ids[name] for name in task.labels)
 
 
 def truth_of(store: WorkspaceStore, library: Library, task: StudyTask) -> Frames:

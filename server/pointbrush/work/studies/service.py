@@ -62,7 +62,7 @@ class Studies:
         """``erase``: removes a recording with its labels for ever."""
         self._store, self._library, self._erase = store, library, erase
         self._rows, self._files = store.studies, StudyFiles(folder)
-        self._copying = threading.Lock()
+        self._copying, self._writing = threading.Lock(), threading.Lock()
 
     def all(self) -> list[StudyInfo]:
         """Return all studies by id; raises BadInputError for an invalid file."""
@@ -82,11 +82,12 @@ class Studies:
         Raises ConflictError for an id that a study has, BadInputError, NotFoundError.
         """
         study, text = self._checked(new)
-        known = self._files.ids()
-        wanted = new.id or next(each for each in ids_for(study.title) if each not in known)
-        if wanted in known:
-            raise ConflictError(f"id: expected one of no study yet, got {wanted!r}")
-        self._files.write(wanted, text)
+        with self._writing:
+            known = self._files.ids()
+            wanted = new.id or next(each for each in ids_for(study.title) if each not in known)
+            if wanted in known:
+                raise ConflictError(f"id: expected one of no study yet, got {wanted!r}")
+            self._files.write(wanted, text)
         return self.get(wanted)
 
     def change(self, study: str, change: NewStudy) -> StudyInfo:
@@ -94,7 +95,9 @@ class Studies:
         self._files.text(study)
         if self._rows.all(study):
             raise ConflictError("study: expected one without participants, delete them first")
-        self._files.write(study, self._checked(change)[1])
+        text = self._checked(change)[1]
+        with self._writing:
+            self._files.write(study, text)
         return self.get(study)
 
     def remove(self, study: str) -> None:
