@@ -8,25 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.compiled import compiled
 from pointbrush.tracking.interface import (
     F32,
-    F64,
     I64,
     PAINTED,
+    ArrayFrame,
     FrameKnowledge,
     FrameResult,
     Frames,
     Known,
-    PixelLattice,
     Seed,
-    SensorPart,
     TrackFrame,
     TrackOptions,
 )
@@ -58,62 +55,6 @@ class Copies:
         return Copies(distinct, np.searchsorted(distinct, first))
 
 
-@dataclass(frozen=True, eq=False)
-class DistinctFrame:
-    """A ``TrackFrame`` of the distinct points of another."""
-
-    whole: TrackFrame
-    first: I64
-
-    @cached_property
-    def xyz(self) -> F32:
-        """(M, 3) positions."""
-        return np.asarray(self.whole.xyz)[self.first]
-
-    @property
-    def rgb(self) -> NDArray[np.uint8] | None:
-        """(M, 3) colours of the first copies."""
-        rgb = self.whole.rgb
-        return None if rgb is None else np.asarray(rgb)[self.first]
-
-    @property
-    def intensity(self) -> F32 | None:
-        """(M,) intensities of the first copies."""
-        intensity = self.whole.intensity
-        return None if intensity is None else np.asarray(intensity)[self.first]
-
-    @cached_property
-    def kdtree(self) -> cKDTree:
-        """A k-d tree of the distinct points."""
-        return cKDTree(self.xyz, balanced_tree=False)
-
-    @property
-    def viewpoint(self) -> F64 | None:
-        """(3,) sensor position."""
-        return self.whole.viewpoint
-
-    @property
-    def pose(self) -> F64 | None:
-        """``T_world_frame``."""
-        return self.whole.pose
-
-    @property
-    def lattice(self) -> PixelLattice | None:
-        """The camera's pixels."""
-        return self.whole.lattice
-
-    @property
-    def sensor(self) -> NDArray[np.uint8] | None:
-        """(M,) sensor of the first copies."""
-        sensor = self.whole.sensor
-        return None if sensor is None else np.asarray(sensor)[self.first]
-
-    @property
-    def parts(self) -> Sequence[SensorPart]:
-        """The sensors of a frame that has several."""
-        return self.whole.parts
-
-
 class DistinctFrames:
     """Frame number → frame with each distinct point once; picklable if ``frames`` is."""
 
@@ -125,7 +66,7 @@ class DistinctFrames:
     def __call__(self, number: int) -> TrackFrame:
         """Return a frame of distinct points; the frame itself if all are distinct."""
         frame, copies = self._frames(number), self.copies(number)
-        return frame if copies is None else DistinctFrame(frame, copies.first)
+        return frame if copies is None else _only(frame, copies.first)
 
     def __reduce__(self) -> tuple[type[DistinctFrames], tuple[Frames]]:
         return DistinctFrames, (self._frames,)
@@ -187,6 +128,20 @@ class DistinctRun:
             if label in tracks:
                 tracks[label] = replace(tracks[label], points=len(assignments[label]))
         return FrameResult(result.frame, assignments, tracks)
+
+
+def _only(frame: TrackFrame, points: I64) -> ArrayFrame:
+    """Return a frame of some points of another."""
+    return ArrayFrame(
+        np.asarray(frame.xyz)[points],
+        frame.viewpoint,
+        frame.pose,
+        frame.lattice,
+        None if frame.rgb is None else np.asarray(frame.rgb)[points],
+        None if frame.intensity is None else np.asarray(frame.intensity)[points],
+        None if frame.sensor is None else np.asarray(frame.sensor)[points],
+        frame.parts,
+    )
 
 
 @compiled

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
@@ -125,22 +126,22 @@ class TrackFrame(Protocol):
         """The sensors of a frame that has several; undefined for one sensor."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class PositionsFrame:
-    """A ``TrackFrame`` of positions only, to determine its sensor."""
+@dataclass(frozen=True, eq=False)
+class ArrayFrame:
+    """A ``TrackFrame`` of arrays in memory."""
 
     xyz: F32
     viewpoint: F64 | None
     pose: F64 | None = None
     lattice: PixelLattice | None = None
-    rgb: None = None
-    intensity: None = None
-    sensor: None = None
-    parts: tuple[()] = ()
+    rgb: NDArray[np.uint8] | None = None
+    intensity: F32 | None = None
+    sensor: NDArray[np.uint8] | None = None
+    parts: Sequence[SensorPart] = ()
 
-    @property
+    @cached_property
     def kdtree(self) -> cKDTree:
-        """A tree built for this call."""
+        """A tree built on first use."""
         from scipy.spatial import cKDTree as Tree
 
         return Tree(self.xyz, balanced_tree=False)

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
-from scipy.spatial import cKDTree
 
 from pointbrush.tracking.compute.rigid import transform
 from pointbrush.tracking.interface import (
     F32,
     F64,
+    ArrayFrame,
     FrameResult,
     Frames,
     Known,
@@ -177,56 +175,10 @@ def _occupied(planes: Planes, axis: int, middle: F64, pixel: float, side: int) -
     return image
 
 
-@dataclass(frozen=True, eq=False)
-class MovedFrame:
-    """A ``TrackFrame`` with points moved by ``T`` (4, 4)."""
-
-    still: TrackFrame
-    T: F64
-
-    @cached_property
-    def xyz(self) -> F32:
-        """(N, 3) positions."""
-        return transform(self.T, np.asarray(self.still.xyz, np.float64)).astype(np.float32)
-
-    @cached_property
-    def kdtree(self) -> cKDTree:
-        """A tree of the moved points."""
-        return cKDTree(self.xyz, balanced_tree=False)
-
-    @property
-    def rgb(self) -> NDArray[np.uint8] | None:
-        """(N, 3) colours."""
-        return self.still.rgb
-
-    @property
-    def intensity(self) -> F32 | None:
-        """(N,) intensities."""
-        return self.still.intensity
-
-    @property
-    def viewpoint(self) -> F64 | None:
-        """Sensor position: unknown, as it did not see this frame from its new position."""
-        return None
-
-    @property
-    def pose(self) -> F64 | None:
-        """``T_world_frame``: unknown."""
-        return None
-
-    @property
-    def lattice(self) -> None:
-        """The camera's pixels: None, as they change with the jump."""
-        return None
-
-    @property
-    def sensor(self) -> None:
-        """The sensors are not distinguished, as their positions are unknown."""
-
-    @property
-    def parts(self) -> tuple[()]:
-        """No sensors."""
-        return ()
+def _moved(frame: TrackFrame, T: F64) -> ArrayFrame:
+    """Return a frame with points moved by ``T`` (4, 4), which no sensor saw from a known place."""
+    xyz = transform(T, np.asarray(frame.xyz, np.float64)).astype(np.float32)
+    return ArrayFrame(xyz, None, rgb=frame.rgb, intensity=frame.intensity)
 
 
 @dataclass(frozen=True)
@@ -284,7 +236,7 @@ class AcrossJumps:
         before, after = order[jump.at - 1], order[jump.at]
 
         def moved(number: int) -> TrackFrame:
-            return MovedFrame(frames(number), jump.T) if number == before else frames(number)
+            return _moved(frames(number), jump.T) if number == before else frames(number)
 
         seeds = [Seed(n, points) for n, points in last.assignments.items() if len(points)]
         if not seeds:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.depth.lattice import Lattice
 from pointbrush.sequences.depth.projection import find
-from pointbrush.tracking.interface import PositionsFrame
+from pointbrush.tracking.interface import ArrayFrame
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens, find_lens
 
@@ -38,7 +38,7 @@ def find_lattice(
     options = TrackerOptions()
     # All points: a regular sample of an image may contain only some of its columns.
     options = replace(options, lens=replace(options.lens, sampled_points=len(xyz)))
-    lens = find_lens(PositionsFrame(xyz, viewpoint), options=options)
+    lens = find_lens(ArrayFrame(xyz, viewpoint), options=options)
     if lens is None or not lens.lattice:
         return None
     lattice = _fitted(lens, xyz, step)

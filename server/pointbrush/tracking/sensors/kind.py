@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pointbrush.sensor_kind import SensorKind
-from pointbrush.tracking.interface import F64, PositionsFrame
+from pointbrush.tracking.interface import F64, ArrayFrame
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import find_lens
 from pointbrush.tracking.sensors.scanner import find_eye, reach_of
@@ -22,7 +22,7 @@ class Sensing:
     place: F64 | None
 
 
-def sense(frame: PositionsFrame, origin: F64, options: TrackerOptions | None = None) -> Sensing:
+def sense(frame: ArrayFrame, origin: F64, options: TrackerOptions | None = None) -> Sensing:
     """Return a frame's sensor by properties of the import, else by its points.
 
     Its position is the recorded one, the eye of a pixel grid filled by the points, the ``origin``
@@ -47,7 +47,7 @@ def sense(frame: PositionsFrame, origin: F64, options: TrackerOptions | None = N
     return Sensing(kind, place)
 
 
-def _looks_one_way(frame: PositionsFrame, place: F64, options: TrackerOptions) -> bool:
+def _looks_one_way(frame: ArrayFrame, place: F64, options: TrackerOptions) -> bool:
     """Return whether a sensor looks in one direction, within the range of depth cameras.
 
     This applies to subsampled frames as well, which do not fill an image.

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pointbrush.tracking.interface import F32, F64, Mask, PositionsFrame, SensorPart, TrackFrame
+from pointbrush.tracking.interface import F32, F64, ArrayFrame, Mask, SensorPart, TrackFrame
 from pointbrush.tracking.options import TrackerOptions
 from pointbrush.tracking.sensors.camera import Lens, Projection, find_lens, imported_lens
 from pointbrush.tracking.sensors.scanner import RangeImage
@@ -83,9 +83,7 @@ def _lens_of(frame: TrackFrame, part: SensorPart, options: TrackerOptions) -> Le
     """Return the pixel grid of one sensor in the frame's coordinates; None: it has none."""
     if part.lattice is None:
         own = np.asarray(frame.xyz)[np.asarray(frame.sensor) == part.sensor]
-        return find_lens(
-            PositionsFrame(own, part.T_frame_sensor[:3, 3]), moves=True, options=options
-        )
+        return find_lens(ArrayFrame(own, part.T_frame_sensor[:3, 3]), moves=True, options=options)
     lens, turn = imported_lens(part.lattice, options=options.lens), part.T_frame_sensor[:3, :3]
     eye = turn @ lens.eye + part.T_frame_sensor[:3, 3]
     return replace(lens, eye=eye.astype(np.float32), turn=turn.T.astype(np.float32))

@@ -5,12 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from pointbrush.classify.features import ExampleFrame, describe, scale_of
 from pointbrush.classify.forest import learn, probabilities
@@ -30,40 +28,13 @@ from pointbrush.sequences.octree.packed import PACKED
 from pointbrush.sequences.octree.rows import Part
 from pointbrush.sequences.octree.segment import encode_cube
 from pointbrush.tracking import METHODS, Seed, TrackOptions
+from pointbrush.tracking.interface import ArrayFrame
 from pointbrush.work.loops.compiling import Progress, Report, StepName
 
 FRAMES = 5
 """Frames of a juggler with pins: a few seconds of work that runs nearly every loop."""
 STEADY_SECONDS = 4.0
 """Weight of the expected pace in the estimate, seconds of work."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Frame:
-    """A ``TrackFrame`` in memory."""
-
-    made: PointFrame
-    pose: NDArray[np.float64] | None = None
-    intensity: None = None
-    lattice: None = None
-    sensor: None = None
-    parts: tuple[()] = ()
-
-    @property
-    def rgb(self) -> NDArray[np.uint8] | None:
-        return self.made.rgb
-
-    @property
-    def viewpoint(self) -> NDArray[np.float64] | None:
-        return self.made.viewpoint
-
-    @cached_property
-    def xyz(self) -> NDArray[np.float32]:
-        return self.made.xyz.astype(np.float32)
-
-    @cached_property
-    def kdtree(self) -> cKDTree:
-        return cKDTree(self.xyz)
 
 
 def encode() -> None:
@@ -115,11 +86,6 @@ def label_by_example() -> None:
     average_over_pieces(smoothed(probabilities(trees, place.features), place.near), place.piece)
 
 
-def _part(made: PointFrame, seen: NDArray[np.bool_]) -> PointFrame:
-    rgb = None if made.rgb is None else made.rgb[seen]
-    return PointFrame(made.xyz[seen], rgb, viewpoint=made.viewpoint)
-
-
 def _aside(way: float) -> NDArray[np.float64]:
     pose = np.eye(4)
     pose[0, 3] = way
@@ -135,7 +101,9 @@ def track(recording: Recording, method: str, moved: float = 0.0, leaves: int = 0
     frames = []
     for n, (made, truth) in enumerate(zip(recording.frames, recording.truth, strict=True)):
         seen = (truth == 0) | (truth != leaves) | (n == 0)
-        frames.append(_Frame(_part(made, seen), _aside(n * moved)))
+        xyz = made.xyz[seen].astype(np.float32)
+        rgb = None if made.rgb is None else made.rgb[seen]
+        frames.append(ArrayFrame(xyz, made.viewpoint, _aside(n * moved), rgb=rgb))
     first = recording.truth[0]
     seeds = [Seed(n, np.flatnonzero(first == n)) for n in np.unique(first).tolist() if n]
     run = METHODS[method]().track(

@@ -12,7 +12,7 @@ from pointbrush.sequences import Manifest, StoredFrame
 
 if TYPE_CHECKING:
     from pointbrush.selection.objects import ObjectFrame
-    from pointbrush.tracking.interface import PositionsFrame
+    from pointbrush.tracking.interface import ArrayFrame
     from pointbrush.tracking.sensors.kind import Sensing
 
 Floats = NDArray[np.float64]
@@ -59,13 +59,13 @@ def sensor_of(frame: StoredFrame, manifest: Manifest) -> Sensing:
     return sense(_positions(frame), -np.asarray(manifest.shift, np.float64))
 
 
-def _positions(frame: StoredFrame) -> PositionsFrame:
+def _positions(frame: StoredFrame) -> ArrayFrame:
     """Return the part of a frame used to determine its sensor."""
-    from pointbrush.tracking.interface import PositionsFrame  # not loaded by most commands
+    from pointbrush.tracking.interface import ArrayFrame  # not loaded by most commands
 
     xyz = np.asarray(frame.coordinates[:SENSED_POINTS], np.float32)
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
-    return PositionsFrame(xyz, frame.viewpoint, frame.pose, frame.lattice)
+    return ArrayFrame(xyz, frame.viewpoint, frame.pose, frame.lattice)
 
 
 def near(points: Points, middle: Floats, reach: float, most: int) -> NDArray[np.int64]:
