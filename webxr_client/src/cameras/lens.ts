@@ -9,8 +9,6 @@ const POLYNOMIAL = ['', 'plumb_bob', 'rational_polynomial', 'radtan'];
 const NEAREST = 0.05;
 /** Number of parts that a line is drawn in. */
 const LINE_STEPS = 16;
-/** Number of steps of the fixed-point iteration that inverts a distortion. */
-const STEPS = 12;
 
 export class Lens {
   /** Last projected place: column and row, pixels, and depth, metres. */
@@ -111,25 +109,6 @@ export class Lens {
       if (r * radialAt(d, r * r) <= before) return (r - 0.05) ** 2;
     }
     return Infinity;
-  }
-
-  /** Return the direction (local, unit length) of the ray through a pixel. */
-  direction(u: number, v: number): [number, number, number] {
-    const { k, at, rows } = this;
-    const y = (v - k[4]!) / k[3]!;
-    const x = (u - k[2]! - k[1]! * y) / k[0]!;
-    let [px, py] = [x, y];
-    for (let step = 0; step < STEPS; step++) {
-      at[0] = px;
-      at[1] = py;
-      this.distort();
-      px += x - at[0];
-      py += y - at[1];
-    }
-    const length = Math.hypot(px, py, 1);
-    const along = (k3: 0 | 1 | 2): number =>
-      (rows[k3]! * px + rows[4 + k3]! * py + rows[8 + k3]!) / length;
-    return [along(0), along(1), along(2)];
   }
 
   /** Position of the camera, local metres. */

@@ -1,6 +1,26 @@
 import { describe, expect, it } from 'vitest';
-import { contrast, difference, inkOn, LABEL_COLORS, leastDifference, SAFE_COLORS, suggestColor, suggestName } from './colors'; // prettier-ignore
+import { apart, contrast, difference, inkOn, LABEL_COLORS, lightOf, oklab, SAFE_COLORS, suggestColor, suggestName, type Rgb } from './colors'; // prettier-ignore
 import { clock, count, metres, shortCount } from './format';
+
+type Cones = readonly [Rgb, Rgb, Rgb];
+/** Light as seen without one kind of cones, of linear red, green, blue (Machado et al. 2009). */
+const EYES: readonly Cones[] = [
+  [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+  [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
+  [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
+]; // prettier-ignore
+
+function seenBy(eye: Cones, [r, g, b]: Rgb): Rgb {
+  const part = ([x, y, z]: Rgb): number => Math.min(1, Math.max(0, x * r + y * g + z * b));
+  return [part(eye[0]), part(eye[1]), part(eye[2])];
+}
+
+/** Visible difference to the eye that sees it least: with all cones, or without one kind of them. */
+function leastDifference(one: string, other: string): number {
+  const [a, b] = [lightOf(one), lightOf(other)];
+  const blind = EYES.map((eye) => apart(oklab(seenBy(eye, a)), oklab(seenBy(eye, b))));
+  return Math.min(difference(one, other), ...blind);
+}
 
 describe('suggested colours', () => {
   it('differ from those in use, as long as there are any', () => {

@@ -72,7 +72,7 @@ export function inkOn(color: string): '#07131f' | '#ffffff' {
 }
 
 /** Oklab, where distance is close to the perceived difference (Björn Ottosson, 2020). */
-function oklab([r, g, b]: Rgb): Rgb {
+export function oklab([r, g, b]: Rgb): Rgb {
   const l = Math.cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
   const m = Math.cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
   const s = Math.cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
@@ -107,32 +107,14 @@ export function difference(one: string, other: string): number {
   return apart(oklab(lightOf(one)), oklab(lightOf(other)));
 }
 
-function apart(a: Rgb, b: Rgb): number {
+/** Distance of two colours in Oklab. */
+export function apart(a: Rgb, b: Rgb): number {
   return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-function lightOf(color: string): Rgb {
+/** Linear red, green and blue, 0..1 each. */
+export function lightOf(color: string): Rgb {
   return parseColor(color).map(linear) as unknown as Rgb;
-}
-
-type Cones = readonly [Rgb, Rgb, Rgb];
-/** Light as seen without one kind of cones, of linear red, green, blue (Machado et al. 2009). */
-const EYES: readonly Cones[] = [
-  [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
-  [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.01182, 0.04294, 0.968881]],
-  [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.3039]],
-]; // prettier-ignore
-
-function seenBy(eye: Cones, [r, g, b]: Rgb): Rgb {
-  const part = ([x, y, z]: Rgb): number => Math.min(1, Math.max(0, x * r + y * g + z * b));
-  return [part(eye[0]), part(eye[1]), part(eye[2])];
-}
-
-/** Visible difference to the eye that sees it least: with all cones, or without one kind of them. */
-export function leastDifference(one: string, other: string): number {
-  const [a, b] = [lightOf(one), lightOf(other)];
-  const blind = EYES.map((eye) => apart(oklab(seenBy(eye, a)), oklab(seenBy(eye, b))));
-  return Math.min(difference(one, other), ...blind);
 }
 
 /** Lightness and chroma of further colours, in Oklab, and how many hues of each. */
