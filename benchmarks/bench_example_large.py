@@ -74,7 +74,8 @@ def paint(workspace: Workspace, tile: Classified, truth: np.ndarray) -> None:
         of_class = np.flatnonzero(truth[: len(xyz)] == number)
         near = tree.query_ball_point(xyz[rng.choice(of_class, BALLS)], RADIUS)
         members = np.unique(np.concatenate(near).astype(np.int64))
-        numbers = np.sort(stored.stored_numbers(members[truth[members] == number]))
+        chosen = members[truth[members] == number]
+        numbers = np.flatnonzero(np.isin(stored.source_index, chosen))
         workspace.labels.apply(
             NAME, edit_id=None, author="bench", kind="stroke", summary="painted",
             writes={0: Write(numbers, label=label, provenance=PAINTED)},

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from pointbrush.errors import BadInputError
 from pointbrush.values.kinds import MOST_SENSORS, SensorType
 
-Float = np.float32 | np.float64
-
 FAR = 1024.0
 """Metres; coordinates beyond this need float64: float32 is coarser than 0.1 mm there."""
 _ROWS = 1 << 15

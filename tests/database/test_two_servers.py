@@ -180,7 +180,7 @@ def test_a_process_that_was_away_for_long(
     assert [commit.revision for commit in heard] == [13]
     here.update_label(SEQ, "ann", 1, name="x")
     assert there.palette(SEQ)[0].name == "x"
-    assert [commit.base for commit in heard] == [12, 13]
+    assert [commit.revision for commit in heard] == [13, 14]
     there.close()
 
 

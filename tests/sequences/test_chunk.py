@@ -11,12 +11,12 @@ from pointbrush.frame import PointFrame
 from pointbrush.sequences.columns import encode_frame
 from pointbrush.sequences.octree.grid import GridChooser
 from pointbrush.sequences.octree.order import morton_order
-from pointbrush.sequences.octree.quantise import ROOM_STEP, coarsest_step, dequantise
+from pointbrush.sequences.octree.quantise import ROOM_STEP, coarsest_step
 from pointbrush.sequences.wire.budget import BUDGET, FEW
 from pointbrush.sequences.wire.chunk import Grid, encode_chunk
 from pointbrush.sequences.wire.path import short_path
 from tests.depth_camera import depth_camera
-from tests.sequences.vertex_decoder import decode_points
+from tests.sequences.vertex_decoder import decode_points, dequantise
 
 
 def lidar(beams: int, turn: int, *, colour: bool, seed: int = 0) -> PointFrame:

@@ -14,9 +14,9 @@ import numpy as np
 
 from pointbrush.frame import PointFrame
 from pointbrush.sequences.columns import encode_frame
-from pointbrush.sequences.octree.quantise import ROOM_STEP, dequantise
+from pointbrush.sequences.octree.quantise import ROOM_STEP
 from pointbrush.sequences.wire.chunk import Grid
-from tests.sequences.vertex_decoder import decode_points
+from tests.sequences.vertex_decoder import decode_points, dequantise
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 

@@ -28,8 +28,7 @@ from pointbrush.sequences.octree import nodes as octree
 from pointbrush.sequences.octree import partition
 from pointbrush.sequences.octree.nodes import build, hand_up, sort_codes
 from pointbrush.sequences.octree.order import morton_codes
-from pointbrush.sequences.octree.quantise import dequantise
-from tests.sequences.vertex_decoder import decode_points
+from tests.sequences.vertex_decoder import decode_points, dequantise
 
 
 @pytest.fixture

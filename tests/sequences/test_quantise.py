@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from pointbrush.sequences.octree.quantise import ROOM_STEP, base_step, dequantise, quantise
+from pointbrush.sequences.octree.quantise import ROOM_STEP, base_step, quantise
+from tests.sequences.vertex_decoder import dequantise
 
 finite = st.floats(-(2.0**100), 2.0**100, width=32)
 

@@ -205,7 +205,7 @@ def test_corrected_points_on_a_map_are_inside_their_boxes(tmp_path: Path) -> Non
 def require_inside(stored: StoredFrame, manifest: Manifest) -> None:
     """All points are in the boxes by which selection and the page find them."""
     blocks = stored.blocks
-    block = np.repeat(np.arange(blocks.num), np.diff(blocks.first))
+    block = np.repeat(np.arange(len(blocks.lo)), np.diff(blocks.first))
     chunk = np.repeat(np.arange(len(stored.chunks)), stored.chunk_table["count"])
     boxes = (
         manifest.bounds,

@@ -42,6 +42,15 @@ def decode_points(data: bytes | memoryview, count: int) -> Bytes:
     return vertices
 
 
+def dequantise(
+    q: NDArray[np.uint16], origin: NDArray[np.float64], scale: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """Positions (N, 3) as the page computes them, in float32."""
+    grid = q.astype(np.float32) * scale.astype(np.float32)
+    positions: NDArray[np.float32] = grid + origin.astype(np.float32)
+    return positions
+
+
 def _plain_colors(vertices: Bytes) -> None:
     """Replace the colours of decoded vertices (N, 12) by plain ones in place, as the page does."""
     related = (vertices[:, _FLAGS] & RELATIVE).astype(np.bool_)

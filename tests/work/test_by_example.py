@@ -67,7 +67,7 @@ def paint(
     workspace: Workspace, frame: int, source: NDArray[np.int64], label: int, came: int = PAINTED
 ) -> None:
     """Give points, by their numbers in the source, a label."""
-    numbers = np.sort(workspace.recording("room")[frame].stored_numbers(source))
+    numbers = np.flatnonzero(np.isin(workspace.recording("room")[frame].source_index, source))
     write = Write(numbers, label=label, provenance=came)
     workspace.labels.apply(
         "room", edit_id=None, author="me", kind="stroke", writes={frame: write}, summary="painted"

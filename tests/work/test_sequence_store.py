@@ -106,7 +106,7 @@ def test_a_recording_lives(workspace: Workspace, settings: Settings, tmp_path: P
     first = workspace.recording("room")
     expected = np.random.default_rng(2).uniform(-1, 1, (POINTS, 3))
     assert np.allclose(first[2].source_xyz(), expected, atol=1e-6)
-    assert first.other(2)["echo"].tolist() == list(range(POINTS))
+    assert first.other_of(2, 0, POINTS)["echo"].tolist() == list(range(POINTS))
     assert len(first[2].wire(0, 1)) > 0
     assert workspace.listing.problems("room") == []
 

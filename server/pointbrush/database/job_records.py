@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
-from sqlalchemy import ColumnElement, Connection, Row, Table, delete, func, select, update
+from sqlalchemy import ColumnElement, Connection, Row, Table, delete, select, update
 
 from pointbrush.database.database import Database
 from pointbrush.database.guards import given_up, host
@@ -156,12 +156,6 @@ class JobRecords:
             if owners:
                 _delete_unlocked(connection, works, works.c.owner.in_(owners))
         return sorted(taken, key=lambda record: record.created)
-
-    def count(self) -> dict[str, int]:
-        """Count the jobs in each state."""
-        chosen = select(jobs.c.state, func.count()).group_by(jobs.c.state)
-        with self._database.read() as connection:
-            return {state: int(number) for state, number in connection.execute(chosen)}
 
     def _mine(self, now: float) -> dict[str, Any]:
         return {"host": host(), "process": os.getpid(), "owner": self.owner, "beat": now}

@@ -83,12 +83,6 @@ class OrientedBox:
             )
         _check_provenance(self.provenance)
 
-    def inside(self, frame: int, xyz: Floats) -> NDArray[np.bool_]:
-        """Mark the points ``xyz`` (N, 3) of a frame that are in the box, its faces included."""
-        T = self.poses[frame].transform
-        local = np.abs((xyz - T[:3, 3]) @ T[:3, :3])
-        return np.asarray((local <= self.size / 2).all(axis=1))
-
 
 def _check_numbers(name: str, values: Floats, count: int) -> None:
     if values.shape != (count,) or not np.isfinite(values).all():

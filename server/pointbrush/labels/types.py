@@ -135,10 +135,10 @@ class Cell:
 class Commit(Edit):
     """One committed revision of a sequence.
 
-    ``base`` is the sequence's revision before it; ``target`` is the edit that an
-    undo or redo reverses; ``label`` is the label that it created or changed, after the edit, unless
-    the commit is read from the journal; ``boxes`` are the ids of changed, created and removed
-    boxes; ``repeated`` is True if this edit's id was committed before and nothing was done now.
+    ``target`` is the edit that an undo or redo reverses; ``label`` is the label that it created or
+    changed, after the edit, unless the commit is read from the journal; ``boxes`` are the ids of
+    changed, created and removed boxes; ``repeated`` is True if this edit's id was committed before
+    and nothing was done now.
     """
 
     sequence: str
@@ -154,11 +154,6 @@ class Commit(Edit):
     tracks_changed: bool = False
     boxes: tuple[int, ...] = ()
     cells: tuple[Cell, ...] = ()
-
-    @property
-    def base(self) -> int:
-        """Return the revision that the deltas apply to."""
-        return self.revision - 1
 
 
 @dataclass(frozen=True, slots=True)

@@ -100,7 +100,6 @@ class Recording:
     ``frames[i]``        PointFrame in camera coordinates (x right, y down, z forward, metres).
     ``truth[i]``         (N,) uint16 label of each point, source order; 0 is the room.
     ``poses[label][i]``  (4, 4) true ``T_world_object`` of a rigid label; the world is the camera.
-    ``visible[i]``       {label: number of points} of the truth.
     Frames depend on the seed and their number only, so any one can be made alone.
     """
 
@@ -135,11 +134,6 @@ class Recording:
         """The label of every point of every frame."""
         return Lazy(self.count, lambda i: self._make(i).truth)
 
-    @property
-    def visible(self) -> Sequence[dict[int, int]]:
-        """Number of points of each visible label."""
-        return Lazy(self.count, self._visible)
-
     @cached_property
     def poses(self) -> dict[int, list[Array]]:
         """True poses of the rigid labels in every frame."""
@@ -153,10 +147,6 @@ class Recording:
     def frame(self, i: int) -> PointFrame:
         """Make frame ``i``; raises NotFoundError out of range."""
         return self._make(i).frame
-
-    def _visible(self, i: int) -> dict[int, int]:
-        numbers, counts = np.unique(self._make(i).truth, return_counts=True)
-        return {int(n): int(c) for n, c in zip(numbers, counts, strict=True) if n}
 
     @cached_property
     def _room(self) -> LitRoom:

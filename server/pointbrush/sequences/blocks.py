@@ -28,11 +28,6 @@ class Blocks:
     chunk_lo: NDArray[np.float32]
     chunk_hi: NDArray[np.float32]
 
-    @property
-    def num(self) -> int:
-        """Number of blocks."""
-        return len(self.lo)
-
     def overlapping(self, lo: NDArray[np.floating], hi: NDArray[np.floating]) -> NDArray[np.int64]:
         """Sorted numbers of the blocks that meet the box ``lo``–``hi`` (3,), local metres."""
         chunks = np.flatnonzero(_meet(self.chunk_lo, self.chunk_hi, lo, hi))

@@ -55,16 +55,11 @@ class Sequence:
             raise NotFoundError(f"expected a frame from 0 to {len(self) - 1}, got {index}")
         return self._frames.get(index, lambda: StoredFrame(self._files(index), self.manifest))
 
-    def other(self, index: int) -> dict[str, NDArray[Any]]:
-        """Further fields of a frame's source, (N,) in source order; {} where it had none.
-
-        Raises NotFoundError, DamagedError.
-        """
-        count = self[index].count
-        return self.other_of(index, 0, count)
-
     def other_of(self, index: int, first: int, stop: int) -> dict[str, NDArray[Any]]:
-        """The same of the points ``first`` to before ``stop`` of the source."""
+        """Further fields of the points ``first`` to before ``stop`` of a frame's source.
+
+        They are in source order; {} where the source had none.  Raises NotFoundError, DamagedError.
+        """
         with self.files.hold(index, FIELDS):
             return read_source_fields(
                 self.path, self._checksums, index, first, stop, self[index].count

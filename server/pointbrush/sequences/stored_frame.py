@@ -162,23 +162,6 @@ class StoredFrame:
         out[self.source_index] = values
         return out
 
-    def stored_numbers(self, source_indices: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-        """Stored numbers (K,) of points given by their numbers (K,) in the source.
-
-        Raises BadInputError when one is outside 0..N-1.
-        """
-        wanted = np.asarray(source_indices)
-        if len(wanted) and (int(wanted.min()) < 0 or int(wanted.max()) >= self.count):
-            raise BadInputError(
-                f"expected point numbers from 0 to {self.count - 1}, "
-                f"got {wanted.min()} to {wanted.max()}"
-            )
-        return self._inverse[wanted].astype(np.int64)
-
-    @cached_property
-    def _inverse(self) -> NDArray[np.uint32]:
-        return self.to_source(np.arange(self.count, dtype=np.uint32))
-
     def source_xyz(self) -> NDArray[np.float32] | NDArray[np.float64]:
         """Coordinates (N, 3) as they were imported: source order, shift undone, bit for bit.
 

@@ -69,11 +69,6 @@ class Link:
         return self._trip.value
 
     @property
-    def in_flight(self) -> int:
-        """Frame messages without a credit."""
-        return len(self._flight)
-
-    @property
     def window(self) -> int:
         """Return the bytes in flight below which another message may be sent."""
         if not self.rate:

@@ -93,12 +93,6 @@ class ObjectState:
         """Number of pieces; the tree's further nodes come after them."""
         return len(self.sums) - int(np.isfinite(self.score).sum())
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes of all arrays."""
-        every = (getattr(self, each.name) for each in fields(self))
-        return sum(each.nbytes for each in every if isinstance(each, np.ndarray))
-
     def save(self, path: Path) -> None:
         """Write to a file (.npz)."""
         arrays: dict[str, Any] = {each.name: getattr(self, each.name) for each in fields(self)}

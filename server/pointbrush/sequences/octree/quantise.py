@@ -94,12 +94,3 @@ def quantise(xyz: NDArray[np.float32], step: float) -> Quantised:
     exact = reach / float(scale.min()) < 2**24
     error = float(scale.max()) / 2 + (0.0 if exact else rounding)
     return Quantised(q, origin, scale, lo, hi, error)
-
-
-def dequantise(
-    q: NDArray[np.uint16], origin: NDArray[np.float64], scale: NDArray[np.float64]
-) -> NDArray[np.float32]:
-    """Positions (N, 3) as the page computes them, in float32."""
-    grid = q.astype(np.float32) * scale.astype(np.float32)
-    positions: NDArray[np.float32] = grid + origin.astype(np.float32)
-    return positions

@@ -34,14 +34,11 @@ Pair = Callable[[F64], tuple[F64, I64]]
 class IcpResult:
     """A rigid motion and its quality.
 
-    ``T_target_source`` (4, 4); ``rmse`` metres; ``iterations``; ``converged``: False if the limit
-    of iterations ended the loop.
+    ``T_target_source`` (4, 4); ``rmse`` metres.
     """
 
     T_target_source: F64
     rmse: float
-    iterations: int
-    converged: bool
 
 
 def transform(T: NDArray[np.floating], xyz: NDArray[np.floating]) -> F64:
@@ -119,9 +116,9 @@ def icp(
         # 3. Stop when the mean square error no longer falls.
         error = float(np.mean(distance**2))
         if before - error < tolerance:
-            return IcpResult(T, float(np.sqrt(error)), iteration, converged=True)
+            break
         before = error
-    return IcpResult(T, float(np.sqrt(error)), iterations, converged=False)
+    return IcpResult(T, float(np.sqrt(error)))
 
 
 @dataclass(eq=False)

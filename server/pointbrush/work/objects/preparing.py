@@ -133,10 +133,6 @@ class Preparer:
                 self._thread.start()
             self._changed.notify()
 
-    def failed(self, recording: Recording, frame: int) -> bool:
-        """Return whether the preparation of a frame has failed."""
-        return (recording.placement, frame) in self._failed
-
     def close(self) -> None:
         """End the process and the thread."""
         with self._changed:
