@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
-from fastapi import Depends, Path, Query, Request
+from fastapi import Depends, Header, Path, Query, Request
 from fastapi.dependencies.models import Dependant
 
 from pointbrush.errors import BadInputError, TooLargeError
@@ -15,13 +15,26 @@ from pointbrush.workspace import Workspace
 
 SEQUENCE_ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
 SequenceId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="sequence id")]
-SnapshotQuery = Annotated[
-    str | None,
-    Query(pattern=SEQUENCE_ID, max_length=64, description="labels as they were in this snapshot"),
-]
+
+
+def id_query(description: str, alias: str | None = None) -> Any:
+    """Return a query parameter that is an id of a recording, project, snapshot or classifier."""
+    return Query(pattern=SEQUENCE_ID, max_length=64, description=description, alias=alias)
+
+
+SnapshotQuery = Annotated[str | None, id_query("labels as they were in this snapshot")]
+RecordingQuery = Annotated[str | None, id_query("only of this recording")]
 ProjectId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="project id")]
 FramePath = Annotated[int, Path(ge=0, lt=2**31, description="frame number, from 0")]
 LabelPath = Annotated[int, Path(ge=1, le=65534, description="label id")]
+EditId = Annotated[Uuid | None, Query(description="the edit's UUID, which is applied once")]
+RunOrder = Annotated[
+    Literal["source", "stored"],
+    Query(description="order of `runs`: `source` as in the file, `stored` as in the chunks"),
+]
+IfNoneMatch = Annotated[
+    str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
+]
 JobPath = Annotated[Uuid, Path(description="job id")]
 
 

@@ -12,7 +12,6 @@ from pointbrush.formats.inside import allowed
 from pointbrush.formats.tables.class_maps import parse_map
 from pointbrush.formats.tables.names import LABEL_FORMATS
 from pointbrush.settings.definitions import values_of
-from pointbrush.streaming.messages import Uuid
 from pointbrush.values.base import Patterns
 from pointbrush.values.edits import Edit
 from pointbrush.values.imports import (
@@ -23,7 +22,7 @@ from pointbrush.values.imports import (
 )
 from pointbrush.values.jobs import Job
 from pointbrush.web import npy
-from pointbrush.web.context import SequenceId, Ws, body_within, one_of
+from pointbrush.web.context import EditId, SequenceId, Ws, body_within, one_of
 from pointbrush.web.problems import BINARY
 from pointbrush.web.routes.frames import Written
 from pointbrush.web.security.auth import Caller, Gate, resource
@@ -109,7 +108,7 @@ def put_annotations(
     workspace: Ws,
     who: Caller,
     layer: Written = "label",
-    id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+    id: EditId = None,
 ) -> Edit:
     """Replace a layer in several frames, as one edit: ``.npz`` with an array ``I`` of frame I."""
     counts = workspace.recording(seq).manifest.points

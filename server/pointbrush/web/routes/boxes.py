@@ -13,8 +13,8 @@ from pointbrush.values.base import Body
 from pointbrush.values.boxes import Box, BoxEdit, Boxes, BoxFit, BoxPatch, BoxPoints, NewBox
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
-from pointbrush.values.kinds import FrameIndex, PaintId, Uuid
-from pointbrush.web.context import SequenceId, WholeSequence, Ws
+from pointbrush.values.kinds import FrameIndex, PaintId
+from pointbrush.web.context import EditId, SequenceId, WholeSequence, Ws
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs
 
@@ -75,11 +75,7 @@ def change_box(
 
 @router.delete("/sequences/{seq}/boxes/{id}", **needs("annotator", 404, 409))
 def delete_box(
-    seq: WholeSequence,
-    id: BoxPath,
-    workspace: Ws,
-    who: Caller,
-    edit: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+    seq: WholeSequence, id: BoxPath, workspace: Ws, who: Caller, edit: EditId = None
 ) -> Edit:
     """Remove a box."""
     return workspace.labels.boxes.remove(seq, who.author, id, edit_id=edit)

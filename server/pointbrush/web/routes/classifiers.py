@@ -28,7 +28,15 @@ from pointbrush.values.classifiers import (
 )
 from pointbrush.values.edits import Edit
 from pointbrush.values.jobs import Job
-from pointbrush.web.context import FramePath, SequenceId, Ws, body_within
+from pointbrush.web.context import (
+    SEQUENCE_ID,
+    FramePath,
+    RunOrder,
+    SequenceId,
+    Ws,
+    body_within,
+    id_query,
+)
 from pointbrush.web.problems import BINARY
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs, needs_for_file
@@ -38,8 +46,9 @@ if TYPE_CHECKING:
 
 router = resource("classifiers")
 MEDIA_TYPE = "application/octet-stream"
-ID = r"^[a-z0-9][a-z0-9._-]{0,63}$"
-ClassifierPath = Annotated[str, Path(pattern=ID, max_length=64, description="classifier id")]
+CLASSIFIER_ID = "classifier id"
+ClassifierPath = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description=CLASSIFIER_ID)]
+ClassifierQuery = Annotated[str, id_query(CLASSIFIER_ID)]
 
 
 @router.get("/classifiers", **needs("viewer"))
@@ -147,11 +156,9 @@ def _in_source_order(prediction: Prediction, source: np.ndarray[Any, Any]) -> di
         "class": prediction.kind[order],
         "confidence": prediction.confidence[order],
     }
-    return (
-        arrays
-        if prediction.numbers is None
-        else arrays | {"index": numbers[order].astype(np.uint32)}
-    )
+    if prediction.numbers is not None:
+        arrays["index"] = numbers[order].astype(np.uint32)
+    return arrays
 
 
 def stored_bytes(prediction: Prediction) -> bytes:
@@ -188,7 +195,7 @@ def get_doubt(
     workspace: Ws,
     who: Caller,
     gate: TheGate,
-    classifier: Annotated[str, Query(pattern=ID, max_length=64, description="classifier id")],
+    classifier: ClassifierQuery,
     frame: Annotated[FrameIndex | None, Query(description="only this frame")] = None,
     all: Annotated[bool, Query(alias="workspace", description="in other recordings, too")] = False,
     near: Annotated[
@@ -201,10 +208,7 @@ def get_doubt(
     between: Annotated[
         list[ClassName] | None, Query(max_length=2, description="only between these classes")
     ] = None,
-    format: Annotated[
-        Literal["source", "stored"],
-        Query(description="order of `runs`: `source` as in the file, `stored` as in the chunks"),
-    ] = "source",
+    format: RunOrder = "source",
 ) -> list[Place]:
     """List the places where a label would teach most, the best first, in one or in all frames."""
     places = workspace.classifiers.doubt(
@@ -251,7 +255,7 @@ def answer_doubt(seq: SequenceId, body: DoubtAnswer, workspace: Ws, who: Caller)
 def take_back_answer(
     seq: SequenceId,
     workspace: Ws,
-    classifier: Annotated[str, Query(pattern=ID, max_length=64, description="classifier id")],
+    classifier: ClassifierQuery,
     centre: Annotated[
         list[FiniteFloat] | None,
         Query(min_length=3, max_length=3, description="x, y, z of the answer's place"),

@@ -21,10 +21,11 @@ from pointbrush.selection import MAX_FRAMES
 from pointbrush.sequences.pictures import MEDIA_TYPES
 from pointbrush.values.edits import Edit
 from pointbrush.values.frames import Camera, ChunkTable, Moving, Placement
-from pointbrush.values.kinds import Uuid
 from pointbrush.web import npy
 from pointbrush.web.context import (
+    EditId,
     FramePath,
+    IfNoneMatch,
     SequenceId,
     SnapshotQuery,
     Ws,
@@ -115,9 +116,7 @@ def get_annotation(
     revision: Annotated[
         int | None, Query(ge=0, lt=2**53, description="labels as they were after this edit")
     ] = None,
-    if_none_match: Annotated[
-        str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
-    ] = None,
+    if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Return one value per point in source order: uint16 labels, uint8 provenance, bool deleted.
 
@@ -164,7 +163,7 @@ def put_annotation(
     workspace: Ws,
     who: Caller,
     layer: Written = "label",
-    id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+    id: EditId = None,
     if_match_: Annotated[
         str | None,
         Header(

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
 
-from fastapi import Query, Response
+from fastapi import Response
 
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.datasets import DATASETS, dataset_named
 from pointbrush.names import spelled_out
 from pointbrush.values.edits import Edit, Split
-from pointbrush.values.kinds import Uuid
 from pointbrush.values.labels import (
     AddedLabels,
     Division,
@@ -25,13 +23,12 @@ from pointbrush.values.labels import (
     PaletteLabel,
     PaletteOrder,
 )
-from pointbrush.web.context import LabelPath, SequenceId, WholeSequence, Ws
+from pointbrush.web.context import EditId, LabelPath, SequenceId, WholeSequence, Ws
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs
 from pointbrush.work.palettes import add_labels, add_template, counted_labels, offered
 
 router = resource("labels")
-EditId = Annotated[Uuid | None, Query(description="the edit's UUID, which is applied once")]
 
 
 @router.get("/sequences/{seq}/labels", **needs("viewer", 404))

@@ -6,14 +6,13 @@ import json
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from fastapi import Depends, Header, Path, Query, Request, Response
+from fastapi import Depends, Path, Query, Request, Response
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.streaming.messages import Uuid
 from pointbrush.values.masks import MOST_BYTES, VOID, MaskEdit, MaskPrompt, MaskSource
 from pointbrush.web import npy
-from pointbrush.web.context import FramePath, SequenceId, Ws, body_within, etag
+from pointbrush.web.context import EditId, FramePath, IfNoneMatch, SequenceId, Ws, body_within, etag
 from pointbrush.web.problems import BINARY
 from pointbrush.web.routes.frames import REVALIDATED
 from pointbrush.web.security.auth import Caller, resource
@@ -61,7 +60,7 @@ def put_mask(
     source: Annotated[
         MaskSource, Query(description="origin of the mask; only `painted` changes painted points")
     ] = "imported",
-    id: Annotated[Uuid | None, Query(description="the edit's UUID")] = None,
+    id: EditId = None,
 ) -> MaskEdit:
     """Label the points that a camera sees in a mask, as one edit.
 
@@ -93,9 +92,7 @@ def get_mask(
             "`picture`: PNG of the visible labels, transparent elsewhere"
         ),
     ] = "png",
-    if_none_match: Annotated[
-        str | None, Header(description="`ETag` of a kept answer, which is confirmed by 304")
-    ] = None,
+    if_none_match: IfNoneMatch = None,
 ) -> Response:
     """Return the label of each pixel of a camera's picture.
 

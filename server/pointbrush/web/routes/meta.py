@@ -16,7 +16,7 @@ from pointbrush.web.context import Ws
 from pointbrush.web.problems import responses
 from pointbrush.web.readiness import ReadyProbe
 from pointbrush.web.security import auth
-from pointbrush.web.security.auth import Caller, Gate, Principal, resource
+from pointbrush.web.security.auth import Caller, Principal, TheGate, resource
 from pointbrush.web.security.cookies import set_cookie
 from pointbrush.web.security.roles import PREFIX, needs
 
@@ -32,10 +32,9 @@ def _out(principal: Principal) -> SignedIn:
 
 
 @sign_in_router.post("/session", responses=responses(413))
-def sign_in(body: SignIn, request: Request, response: Response) -> SignedIn:
+def sign_in(body: SignIn, request: Request, response: Response, gate: TheGate) -> SignedIn:
     """Exchange a token for the page's cookies."""
     auth.require_same_origin(request)
-    gate: Gate = request.app.state.gate
     principal, cookies = gate.sign_in(body.token, request)
     for cookie in cookies:
         set_cookie(request, response, cookie)
@@ -67,9 +66,8 @@ def set_own_keys(body: NewKeys, who: Caller, workspace: Ws) -> None:
 
 
 @router.delete("/session", status_code=204, **needs("viewer"))
-def sign_out(request: Request, response: Response) -> None:
+def sign_out(request: Request, response: Response, gate: TheGate) -> None:
     """End the page's session; the browser keeps its account."""
-    gate: Gate = request.app.state.gate
     gate.sign_out(request)
     response.delete_cookie(auth.cookie_name(request), httponly=True, samesite="strict")
 

@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from pointbrush.errors import ForbiddenError, NotFoundError, PointbrushError
 from pointbrush.web.page import wants_html
-from pointbrush.web.security.auth import Gate, cookie_name
+from pointbrush.web.security.auth import Gate, TheGate, cookie_name
 from pointbrush.web.security.cookies import set_cookie
 from pointbrush.web.security.roles import PREFIX
 
@@ -51,9 +51,8 @@ def _back(request: Request) -> str:
 
 
 @router.get("")
-def provider(request: Request) -> ProviderOut:
+def provider(gate: TheGate) -> ProviderOut:
     """Return the provider for the page's sign-in."""
-    gate: Gate = request.app.state.gate
     return ProviderOut(name=None if gate.provider is None else gate.provider.name)
 
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Literal
 
-from fastapi import Query
 from fastapi.responses import JSONResponse
 
 from pointbrush.values.jobs import Job
 from pointbrush.values.people import FoundPeople, PeopleSearch
-from pointbrush.web.context import SequenceId, Ws
+from pointbrush.web.context import RunOrder, SequenceId, Ws
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs
 
@@ -28,10 +26,7 @@ def find_people(
     body: PeopleSearch,
     workspace: Ws,
     who: Caller,
-    format: Annotated[
-        Literal["source", "stored"],
-        Query(description="order of `runs`: `source` as in the file, `stored` as in the chunks"),
-    ] = "source",
+    format: RunOrder = "source",
 ) -> FoundPeople:
     """Find the people in frames; with ``apply``, label them in a job: one edit of provenance 4.
 

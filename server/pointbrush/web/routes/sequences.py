@@ -13,7 +13,7 @@ from pointbrush.teamwork.access import COMPARES
 from pointbrush.teamwork.summaries import Search
 from pointbrush.values.kinds import TaskState
 from pointbrush.values.recordings import Manifest, RecordingPatch
-from pointbrush.web.context import SEQUENCE_ID, SequenceId, Ws
+from pointbrush.web.context import SequenceId, Ws, id_query
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs
 from pointbrush.web.strokes import FloorBody
@@ -44,9 +44,7 @@ class SearchQuery:
 
 
 def search_query(
-    project: Annotated[
-        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="id of its project")
-    ] = None,
+    project: Annotated[str | None, id_query("id of its project")] = None,
     q: Annotated[str, Query(max_length=256, description="a part of the name or id")] = "",
     category: Annotated[
         str | None,

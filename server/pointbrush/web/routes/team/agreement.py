@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Query
-
 from pointbrush.values.edits import Edit
 from pointbrush.values.team.tasks import CopyAgreement, CopyMerge, Score
-from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.context import ProjectId, Ws, id_query
 from pointbrush.web.security.auth import Caller, resource
 from pointbrush.web.security.roles import needs
 
 router = resource("agreement")
-Whole = Annotated[
-    str, Query(pattern=SEQUENCE_ID, max_length=64, description="the recording that has copies")
-]
+Whole = Annotated[str, id_query("the recording that has copies")]
 
 
 @router.get("/projects/{p}/agreement", **needs("reviewer", 404))

@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from fastapi import Query, Response
 
 from pointbrush.values.team.review import Agreement, Checked
-from pointbrush.web.context import FramePath, SequenceId, Ws
+from pointbrush.web.context import FramePath, SequenceId, Ws, id_query
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs, needs_for_file
 from pointbrush.work.reviewing.comparing import By
@@ -20,15 +20,8 @@ from pointbrush.work.reviewing.report.html import POLICY, to_html
 
 router = resource("review")
 PNG = "image/png"
-Other = Annotated[
-    str,
-    Query(
-        alias="with",
-        pattern=r"^[a-z0-9][a-z0-9._-]{0,63}$",
-        max_length=64,
-        description="the other recording of the same points",
-    ),
-]
+Other = Annotated[str, id_query("the other recording of the same points", "with")]
+Frames = Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")]
 CompareBy = Annotated[By, Query(description="match labels by their `name` or by their `category`")]
 TEXT = {"schema": {"type": "string"}}
 
@@ -37,7 +30,7 @@ TEXT = {"schema": {"type": "string"}}
 def get_checks(
     seq: SequenceId,
     workspace: Ws,
-    frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
+    frames: Frames = None,
 ) -> Checked:
     """Find labels with few points or equal names, far from their object, that jump or differ.
 
@@ -54,7 +47,7 @@ def get_agreement(
     gate: TheGate,
     other: Other,
     by: CompareBy = "name",
-    frames: Annotated[str | None, Query(pattern=r"^[0-9:]*$", description="I:J")] = None,
+    frames: Frames = None,
     *,
     boxes: Annotated[bool, Query(description="also compare the boxes of classes")] = False,
 ) -> Agreement:

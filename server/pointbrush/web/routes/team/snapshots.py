@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from fastapi import Path, Query, Response
+from fastapi import Path, Response
 
 from pointbrush.values.team.snapshots import Difference, NewSnapshot, Snapshot
-from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.context import SEQUENCE_ID, ProjectId, RecordingQuery, Ws, id_query
 from pointbrush.web.security.auth import Caller, TheGate, resource
 from pointbrush.web.security.roles import needs
 
 router = resource("snapshots")
+Other = Annotated[str | None, id_query("another snapshot; by default the current labels", "with")]
 SnapshotId = Annotated[str, Path(pattern=SEQUENCE_ID, max_length=64, description="snapshot id")]
 
 
@@ -50,18 +51,8 @@ def get_difference(
     workspace: Ws,
     who: Caller,
     gate: TheGate,
-    other: Annotated[
-        str | None,
-        Query(
-            alias="with",
-            pattern=SEQUENCE_ID,
-            max_length=64,
-            description="another snapshot; by default the current labels",
-        ),
-    ] = None,
-    sequence: Annotated[
-        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="only of this recording")
-    ] = None,
+    other: Other = None,
+    sequence: RecordingQuery = None,
 ) -> list[Difference]:
     """Return the difference of two versions by frame, for the recordings that both have."""
     found = workspace.versions.difference(p, s, other, sequence)

@@ -11,7 +11,7 @@ from pointbrush.teamwork.rules import Person as Asker
 from pointbrush.teamwork.tasks import Wanted
 from pointbrush.values.kinds import TaskState
 from pointbrush.values.team.tasks import NewTasks, NextTask, Task, TaskEvent, TaskPatch
-from pointbrush.web.context import SEQUENCE_ID, ProjectId, Ws
+from pointbrush.web.context import ProjectId, RecordingQuery, Ws
 from pointbrush.web.security.auth import Caller, Principal, resource
 from pointbrush.web.security.roles import DECIDE, needs
 
@@ -30,9 +30,7 @@ def list_tasks(
     who: Caller,
     state: Annotated[TaskState | None, Query(description="only in this state")] = None,
     person: Annotated[str | None, Query(max_length=128, description="the assignee")] = None,
-    sequence: Annotated[
-        str | None, Query(pattern=SEQUENCE_ID, max_length=64, description="only of this recording")
-    ] = None,
+    sequence: RecordingQuery = None,
     after: Annotated[int, Query(ge=0, lt=2**31, description="a task's number")] = 0,
     limit: Annotated[int, Query(ge=1, le=10_000, description="most tasks to return")] = 1000,
 ) -> list[Task]:
