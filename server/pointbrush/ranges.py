@@ -1,4 +1,4 @@
-"""Runs of integers, many at once: how points are gathered from blocks without a Python loop."""
+"""Runs of integers, many at once, and evenly spaced ones."""
 
 from __future__ import annotations
 
@@ -49,3 +49,8 @@ def numbers_of(runs: bytes, count: int) -> NDArray[np.int64]:
     if (start[1:] < stop[:-1]).any() or (len(stop) and stop[-1] > count):
         raise BadInputError(f"runs: expected ascending runs of points 0 to {count - 1}")
     return ranges(start, stop)
+
+
+def evenly_spaced(count: int, most: int) -> list[int]:
+    """Return at most ``most`` of the numbers below ``count``, evenly spaced and ascending."""
+    return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))

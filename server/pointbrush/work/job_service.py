@@ -102,4 +102,9 @@ class EditService(JobService[Request]):
 
     def _committed(self, made: Commit) -> dict[str, Any]:
         """Return the result of a committed edit."""
-        return {"edit": made.edit, "changed": made.changed, "revision": made.revision}
+        return edit_result(made)
+
+
+def edit_result(made: Commit) -> dict[str, Any]:
+    """Return the fields of a job's result that describe its edit."""
+    return {"edit": made.edit, "changed": made.changed, "revision": made.revision}

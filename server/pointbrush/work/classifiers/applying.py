@@ -36,7 +36,7 @@ from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.service import Classifiers
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.job_request import JobRequest
-from pointbrush.work.job_service import EditService, JobContext, Submission
+from pointbrush.work.job_service import EditService, JobContext, Submission, edit_result
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -187,13 +187,8 @@ class _Prediction(Receiver):
             summary=f"predicted {many} by '{name}'"[:200],
             identity=self.recording.identity,
         )
-        return {
-            "edit": commit.edit,
-            "changed": commit.changed,
-            "revision": commit.revision,
-            "frames": frames,
-            MESSAGE: f"{commit.changed:,} points labelled",
-        }
+        message = f"{commit.changed:,} points labelled"
+        return edit_result(commit) | {"frames": frames, MESSAGE: message}
 
     def _choose(self, palette: Palette) -> tuple[Sequence[Label], Writes]:
         """Return the labels and writes for the palette at the commit."""

@@ -113,8 +113,3 @@ def _boxes(
     below[axis] = above[axis] = cut
     yield from _boxes(middle, held, low, below, most)
     yield from _boxes(middle, held, above, high, most)
-
-
-def spread_frames(count: int, most: int) -> list[int]:
-    """Return at most ``most`` frames of ``count``, evenly spaced."""
-    return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))

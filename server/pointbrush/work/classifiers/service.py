@@ -27,14 +27,13 @@ from pointbrush.database.class_names import ClassNames
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.labels import Commit, LabelStore, Write
 from pointbrush.labels.types import PAINTED
-from pointbrush.ranges import runs_of
+from pointbrush.ranges import evenly_spaced, runs_of
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.values import classifiers as values
 from pointbrush.values.classifiers import HeldOut, Place, Start
 from pointbrush.work.classifiers.asking import Questions
 from pointbrush.work.classifiers.described import DescribedFrames
 from pointbrush.work.classifiers.files import ClassifierFiles
-from pointbrush.work.classifiers.frames import spread_frames
 from pointbrush.work.classifiers.naming import classes_of
 from pointbrush.work.classifiers.options import ClassifierOptions
 from pointbrush.work.classifiers.predicting import Prediction, Predictor
@@ -147,13 +146,13 @@ class Classifiers:
         ]
         features = [np.zeros((0, len(classifier.spread)), np.float32)]
         chances = [np.zeros((0, len(classifier.classes)), np.float32)]
-        for k in spread_frames(len(frames), SCORED_FRAMES):
+        for k in evenly_spaced(len(frames), SCORED_FRAMES):
             recording, frame = frames[k]
             middle = np.array([recording[frame].count // 2])
             part = next(self._frames.holding(recording, frame, classifier.size, middle))
             place = part.describe()
             chance = self._predictor.chances(classifier, recording, frame, place, part.members)
-            cells = place.of_point[spread_frames(len(place.of_point), SCORED_POINTS)]
+            cells = place.of_point[evenly_spaced(len(place.of_point), SCORED_POINTS)]
             features.append(place.features[cells])
             chances.append(chance[cells])
         return np.concatenate(features), np.concatenate(chances)
@@ -244,7 +243,7 @@ class Classifiers:
         for name in names:
             recording = self._recording(name)
             count = len(recording)
-            frames = [frame] if frame is not None and name == sequence else spread_frames(
+            frames = [frame] if frame is not None and name == sequence else evenly_spaced(
                 count, self.options.looked_frames if not workspace else 2
             )  # fmt: skip
             for each in frames:

@@ -16,6 +16,7 @@ from pointbrush.classify.features import Described
 from pointbrush.classify.grid import connected, neighbours, number_cubes
 from pointbrush.labels import LabelStore
 from pointbrush.labels.types import IMPORTED, PAINTED
+from pointbrush.ranges import evenly_spaced
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.work.classifiers.described import DescribedFrames, Part
 from pointbrush.work.classifiers.naming import numbers_of
@@ -86,12 +87,13 @@ class Teacher:
             for frame, painted in by_hand.items()
             if painted or (classifier.imported and self._has_imported(sequence, frame))
         )
-        return _evenly(found, self._options.taught_frames)
+        return [found[k] for k in evenly_spaced(len(found), self._options.taught_frames)]
 
     def labelled(self, recording: Recording, classes: Sequence[str]) -> list[int]:
         """Return some frames with painted or imported labels of the classes."""
         wanted = Classifier("", tuple(classes), imported=True)
-        return _evenly(self._painted(recording, wanted), EARLIER_FRAMES)
+        found = self._painted(recording, wanted)
+        return [found[k] for k in evenly_spaced(len(found), EARLIER_FRAMES)]
 
     def _has_imported(self, sequence: str, frame: int) -> bool:
         """Return whether a frame has imported labels; cached until the frame changes."""
@@ -136,13 +138,6 @@ class Teacher:
             kept = known
             self._parts.get(key, lambda: kept, sum(each.nbytes for each in known))
         return known
-
-
-def _evenly(frames: list[int], most: int) -> list[int]:
-    """Return at most ``most`` frames, evenly spaced."""
-    if len(frames) <= most:
-        return frames
-    return [frames[k] for k in np.linspace(0, len(frames) - 1, most).astype(int)]
 
 
 def _is_of(some: Examples, recording: Recording | None) -> bool:

@@ -28,7 +28,7 @@ from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
 from pointbrush.values.people import MOST_SHOWN, FoundPeople, FoundPerson, PersonPoints
 from pointbrush.work.job_request import JobRequest
-from pointbrush.work.job_service import EditService, JobContext, Submission
+from pointbrush.work.job_service import EditService, JobContext, Submission, edit_result
 from pointbrush.work.people import FIND
 from pointbrush.work.people.frames import PersonInFrame, Search, has_pictures
 from pointbrush.work.people.naming import NamedPerson, join_frames, name_people
@@ -150,14 +150,8 @@ class _Labelling(Receiver):
             summary=f"found {many}",
             identity=self.recording.identity,
         )
-        return {
-            "edit": commit.edit,
-            "changed": commit.changed,
-            "revision": commit.revision,
-            "people": people,
-            "frames": self.frames,
-            MESSAGE: f"found {many}, {commit.changed:,} points labelled",
-        }
+        message = f"found {many}, {commit.changed:,} points labelled"
+        return edit_result(commit) | {"people": people, "frames": self.frames, MESSAGE: message}
 
     def _choose(self, palette: Palette) -> tuple[Sequence[Label], Writes]:
         """Return the labels and writes for the palette at the commit."""

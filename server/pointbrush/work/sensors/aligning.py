@@ -13,6 +13,7 @@ from pointbrush.errors import ConflictError
 from pointbrush.jobs.job import MESSAGE
 from pointbrush.jobs.runner import Receiver
 from pointbrush.jobs.worker import Channel
+from pointbrush.ranges import evenly_spaced
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.sequences import open_sequence
 from pointbrush.sequences.storage.stored_files import RecordingFiles
@@ -111,8 +112,8 @@ class Aligning(JobService[AlignRequest]):
             raise ConflictError("sensors: expected a recording of several, got one sensor")
         if undo and all(sensor.previous is None for sensor in manifest.sensors):
             raise ConflictError("undo: expected sensors that were aligned, got none")
-        spread = np.linspace(0, len(recording) - 1, min(FRAMES, len(recording))).astype(int)
-        wanted = tuple(sorted(set(spread.tolist() if frames is None else frames)))
+        spread = evenly_spaced(len(recording), FRAMES)
+        wanted = tuple(sorted(set(spread if frames is None else frames)))
         for frame in wanted:
             _ = recording[frame]
         return self.begin(sequence, AlignRequest(wanted, manifest.placement, undo), author, job)

@@ -26,6 +26,7 @@ from pointbrush.tracking import (
 )
 from pointbrush.tracking.permissions import FEWEST
 from pointbrush.values.runs import TrackingOptions
+from pointbrush.work.job_service import edit_result
 from pointbrush.work.loops.compiling import Progress, StepName
 from pointbrush.work.prepare import ensure_compiled
 from pointbrush.work.tracking.sensor import sensor_of
@@ -253,12 +254,7 @@ class PendingEdit:
             tracks=tracks,
             identity=self.identity,
         )
-        return {
-            "edit": commit.edit,
-            "changed": commit.changed,
-            "revision": commit.revision,
-            "frames": len(self.results),
-        }
+        return edit_result(commit) | {"frames": len(self.results)}
 
     def _writes(
         self, results: Iterable[FrameResult], left_out: Container[int]
