@@ -131,7 +131,7 @@ class PaperTracker:
         start = frames(order[0])
         objects = {seed.label: _start_object(start, seed.indices, np.eye(4)) for seed in seeds}
         yield FrameResult(
-            order[0], {}, {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
+            order[0], {}, {s.label: TrackState.painted(len(s.indices), np.eye(4)) for s in seeds}
         )
         stopped: set[int] = set()
         for number in order[1:]:
@@ -143,7 +143,7 @@ class PaperTracker:
                 certain = rules.keyframe(label)
                 if certain is not None:
                     assignments[label] = certain
-                    tracks[label] = _painted(len(certain), track.pose)
+                    tracks[label] = TrackState.painted(len(certain), track.pose)
                     objects[label] = _start_object(frame, certain, track.pose)
                     stopped.discard(label)
                 elif label not in stopped:
@@ -237,7 +237,3 @@ def _gone_on(track: _Object, frame: TrackFrame, indices: I64, state: TrackState)
 def _colour(frame: TrackFrame, indices: I64) -> F64:
     rgb = frame.rgb
     return np.zeros((len(indices), 3)) if rgb is None else rgb[indices].astype(np.float64)
-
-
-def _painted(points: int, pose: F64) -> TrackState:
-    return TrackState(pose, 0.0, 1.0, 1.0, points, "painted")

@@ -232,6 +232,11 @@ class TrackState:
     points: int
     state: State
 
+    @staticmethod
+    def painted(points: int, pose: F64) -> TrackState:
+        """Return the outcome of a label that a person painted."""
+        return TrackState(pose, 0.0, 1.0, 1.0, points, "painted")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameResult:

@@ -161,7 +161,7 @@ class Run:
         view.people = self.people.labels
         for track in (t for n, t in self.tracks.items() if view.people and n not in view.people):
             set_other_movers_around(track, view, track.model.xyz)
-        states = {s.label: _painted(len(s.indices), np.eye(4)) for s in seeds}
+        states = {s.label: TrackState.painted(len(s.indices), np.eye(4)) for s in seeds}
         return FrameResult(view.number, {}, states)
 
     def _begin(self, view: View, label: int, points: I64) -> None:
@@ -266,7 +266,7 @@ class Run:
         states = self._conclude(view, frame.rules, frame.fixed, outcomes)
         for label in frame.fixed.keys() - self.tracks.keys():
             self._begin(view, label, frame.fixed[label])
-            states[label] = _painted(len(frame.fixed[label]), np.eye(4))
+            states[label] = TrackState.painted(len(frame.fixed[label]), np.eye(4))
             update_distinct_colours(self.tracks, view, [label])
             self.people.join(view, self.background, label)
         if self._watch is not None:
@@ -356,13 +356,13 @@ class Run:
             return self._begin_anew(track, view, points)
         world = transform(pose, track.model.xyz)
         set_other_movers_around(track, view, world)
-        return _painted(len(points), pose)
+        return TrackState.painted(len(points), pose)
 
     def _begin_anew(self, track: Track, view: View, points: I64) -> TrackState:
         noise = self.scene.noise(view, points)
         pose = restart_track(self.tracks, view, track.label, points, noise)
         self.astray.pop(track.label, None)
-        return _painted(len(points), pose)
+        return TrackState.painted(len(points), pose)
 
     def _emerge(self, track: Track, view: View, points: I64) -> TrackState:
         """Restart a large object from its reappeared part, or an entering one as a body."""
@@ -398,7 +398,3 @@ def _before(seeds: Sequence[Seed], known: FrameKnowledge | None) -> list[Seed]:
         return [Seed(seed.label, _EMPTY) for seed in seeds]
     label = np.where(known.deleted, 0, known.label)
     return [Seed(seed.label, np.flatnonzero(label == seed.label)) for seed in seeds]
-
-
-def _painted(points: int, pose: F64) -> TrackState:
-    return TrackState(pose, 0.0, 1.0, 1.0, points, "painted")

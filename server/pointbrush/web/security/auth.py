@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hmac
-import ipaddress
 import socket
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -31,7 +30,13 @@ from pointbrush.teamwork.access import is_participant
 from pointbrush.values.team.accounts import AccountToken
 from pointbrush.web.context import known_query
 from pointbrush.web.security.browser_accounts import BrowserAccounts, new_account
-from pointbrush.web.security.clients import KNOWN_CLIENTS, Clients, RateLimit, is_loopback
+from pointbrush.web.security.clients import (
+    KNOWN_CLIENTS,
+    Clients,
+    RateLimit,
+    address_in,
+    is_loopback,
+)
 from pointbrush.web.security.cookies import Cookie
 from pointbrush.web.security.roles import PARTICIPANT_CALLS, PREFIX, role_of
 from pointbrush.web.security.sessions import SESSION_DAYS, WebSessions
@@ -50,15 +55,13 @@ class Principal:
     """An authenticated caller.
 
     ``author`` is the account of the caller's edits, ``name`` its displayed name; ``shared``: the
-    caller has the server's own token, which several people may use, each with a chosen name;
-    ``session``: the caller has the page's cookie.
+    caller has the server's own token, which several people may use, each with a chosen name.
     """
 
     author: str
     name: str
     role: Role
     shared: bool = False
-    session: bool = False
 
 
 class Gate:
@@ -183,14 +186,14 @@ class Gate:
         found = self.sessions.check(session)
         if found is None:
             account = self.participant(session, connection)
-            return Principal(account, PARTICIPANT, "annotator", session=True)
+            return Principal(account, PARTICIPANT, "annotator")
         if found.token is not None:
-            return replace(_person(found.token), session=True)
+            return _person(found.token)
         return self._sharer(found.account)
 
     def _sharer(self, account: str) -> Principal:
         name = self._workspace.labels.accounts.name(account)
-        return Principal(account, name, "admin", shared=True, session=True)
+        return Principal(account, name, "admin", shared=True)
 
     def _refusal(
         self, connection: HTTPConnection, kind: str = "token"
@@ -299,7 +302,7 @@ class Gate:
         """
         name = header.rsplit(":", 1)[0] if not header.endswith("]") else header
         name = name.strip("[]").lower().rstrip(".")
-        return name in self._hosts or _is_address(name)
+        return name in self._hosts or address_in(name) is not None
 
 
 def _unknown(kind: str, name: str) -> NotFoundError:
@@ -309,14 +312,6 @@ def _unknown(kind: str, name: str) -> NotFoundError:
 
 def _person(token: AccountToken) -> Principal:
     return Principal(token.account, token.name or token.account, token.role)
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
 
 
 def host_names(settings: Settings) -> frozenset[str]:

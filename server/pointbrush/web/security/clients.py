@@ -43,8 +43,8 @@ class Clients:
         """
         found = connection.client.host if connection.client else UNKNOWN
         hops = ",".join(connection.headers.getlist("x-forwarded-for")).split(",")
-        while self.trusts(found) and hops and _address(hops[-1]) is not None:
-            found = str(_address(hops.pop()))
+        while self.trusts(found) and hops and address_in(hops[-1]) is not None:
+            found = str(address_in(hops.pop()))
         return found
 
     def scheme(self, connection: HTTPConnection) -> str:
@@ -59,7 +59,7 @@ class Clients:
 
     def trusts(self, address: str) -> bool:
         """Return whether an address is a trusted proxy's."""
-        known = _address(address)
+        known = address_in(address)
         return known is not None and any(known in network for network in self._trusted)
 
     def is_direct(self, connection: HTTPConnection) -> bool:
@@ -68,7 +68,8 @@ class Clients:
         return not shown and not (connection.client and self.trusts(connection.client.host))
 
 
-def _address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+def address_in(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return the IP address that a text is, or None; one in brackets is of version 6."""
     try:
         found = ipaddress.ip_address(text.strip().strip("[]"))
     except ValueError:

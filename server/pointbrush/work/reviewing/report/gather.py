@@ -94,7 +94,6 @@ class Report:
     """
 
     name: str
-    fps: float
     palette: Sequence[Label]
     points: I64
     labelled: I64
@@ -150,7 +149,6 @@ def gather(
         effort.setdefault((at, name(account)), Effort()).add(spent)
     return Report(
         name=recording.manifest.name,
-        fps=recording.manifest.fps,
         palette=palette,
         points=np.array(recording.manifest.points, np.int64),
         labelled=np.sum(list(by_label.values()), axis=0, dtype=np.int64)
