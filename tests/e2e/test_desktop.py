@@ -391,13 +391,13 @@ def test_five_clicks_lead_from_the_address_to_a_tracked_and_exported_label(
     desk: Desk, server: LiveServer, truth: Truth
 ) -> None:
     desk.ask("(window.clicks = 0, addEventListener('click', () => { window.clicks += 1 }, true))")
-    desk.page.get_by_role("button", name="First label").click()
+    desk.page.get_by_role("button", name="Create a label").click()
     desk.page.keyboard.type("person")
     desk.press("Enter")
     desk.until("pb.state.activeLabel.value > 0")
     desk.press("j")
     desk.page.mouse.click(*desk.place(truth(0, PERSON)))
-    desk.page.get_by_role("button", name="Track on").click()
+    desk.page.get_by_role("button", name="Track forward").click()
     desk.until("pb.state.jobs.value.some((j) => j.kind === 'tracking' && j.state === 'done')", 90)
     with desk.page.expect_download() as started:
         desk.page.get_by_role("button", name="Export").click()

@@ -204,7 +204,7 @@ const EDIT = [
     () => edits() && trackingJob.peek() === null,
   ),
   plain('Label by example: show or hide the prediction', () => toggleExample()),
-  plain('Track on from this frame', () => tracking.continueRun(), edits),
+  plain('Track forward from this frame', () => tracking.continueRun(), edits),
   plain('History of edits', () => (historyOpen.value = true)),
 ];
 

@@ -133,8 +133,8 @@ const TOOLS = [
     'Complete the stroke to an object, or return to the last label',
     () => tools.completeObject() || labels.lastLabel(),
   ),
-  held(['+', '='], 'Object: towards the group', () => tools.stepObject(1)),
-  held('-', 'Object: towards the part', () => tools.stepObject(-1)),
+  held(['+', '='], 'Object: larger part', () => tools.stepObject(1)),
+  held('-', 'Object: smaller part', () => tools.stepObject(-1)),
   key('shift+h', 'Find people in this frame', () => findPeople(), {
     when: () => canEdit.peek() && state.sequence.peek() !== null,
   }),

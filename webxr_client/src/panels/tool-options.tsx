@@ -137,8 +137,8 @@ function BrushOptions() {
       )}
       {way.name === 'object' && (
         <Check
-          label="Take from other labels"
-          tip="Also take points with another label"
+          label="Overwrite other labels"
+          tip="Also label points that have another label"
           checked={brush.takeLabelled}
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
         />

@@ -22,13 +22,13 @@ const TOUR: readonly TourStep[] = [
   },
   {
     title: 'Choose a label',
-    text: 'A label stands for one object: a pin, a person. Press N to make a label and type its name. Click a row to choose its label.',
+    text: 'A label is one object, such as “pin 1”, or one class. Press N to make a label and type its name. Click a row to choose its label.',
     at: '#palette',
     edits: true,
   },
   {
     title: 'Paint an object',
-    text: 'The Object tool is active. Point at an object to highlight it, use the wheel to go from part to group, and click to paint it.',
+    text: 'The Object tool is active. Point at an object to highlight it, use the wheel for a smaller or larger part, and click to paint it.',
     at: '#toolbar .options [aria-label="Object"]',
     edits: true,
     objects: true,

@@ -47,7 +47,7 @@ export interface ToolActions {
   snapBox(): boolean;
   /** Erase if painting, paint if erasing. */
   toggleEraser(): void;
-  /** Levels of the object tool: 1 towards the group, −1 towards the part; false when none shows. */
+  /** Levels of the object tool: 1 to the larger part, −1 to the smaller one; false when none shows. */
   stepObject(levels: number): boolean;
   /** Take the object that a stroke can be completed to; false when none is offered. */
   completeObject(): boolean;
@@ -132,7 +132,7 @@ export interface TrackingActions {
   clearStretch(): Promise<void>;
   /** Track the doubtful frames again, from the sure frame beside them. */
   trackStretch(): void;
-  /** Track on from this frame, to where a run that stopped was to go. */
+  /** Track forward from this frame, to where a run that stopped was to go. */
   continueRun(): void;
   /** `keep`: the results so far stay (tracking). */
   cancelJob(id: string, keep?: boolean): Promise<void>;

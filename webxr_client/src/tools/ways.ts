@@ -51,7 +51,7 @@ export const WAYS: readonly Way[] = [
     label: 'Object',
     desk: {
       label: 'Object',
-      tip: 'Click to take an object; the wheel goes from part to group',
+      tip: 'Click an object; the wheel changes to a smaller or larger part',
       key: 'J',
     },
     samples: 'clicks',

@@ -123,10 +123,10 @@ function NoLabels() {
   return (
     <div class="labels">
       <div class="empty stack">
-        <p>A label stands for one object: a pin, a hand, a person.</p>
+        <p>A label is one object, such as “car 1”, or one class, such as “ground”.</p>
         <Button
           icon="plus"
-          label="First label"
+          label="Create a label"
           kind="primary"
           disabled={!canEdit.value}
           onClick={() => void actions.labels.newLabel()}

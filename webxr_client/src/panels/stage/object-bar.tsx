@@ -9,7 +9,7 @@ import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 
 const NOTHING = 'No object here';
-const POINT = 'Point at an object: a click takes it';
+const POINT = 'Point at an object and click it';
 
 export function ObjectBar() {
   const object = state.object.value;
@@ -40,23 +40,23 @@ function Hint({ object }: { object: ObjectView | null }) {
 function Offer({ object: { level, levels, points, taken, completes } }: { object: ObjectView }) {
   return (
     <>
-      <Button icon="minus" tip="Towards the part" keys="−" disabled={level === 0} onClick={() => void actions.tools.stepObject(-1)} />
+      <Button icon="minus" tip="Smaller part" keys="−" disabled={level === 0} onClick={() => void actions.tools.stepObject(-1)} />
       <Steps level={level} levels={levels} />
-      <Button icon="plus" tip="Towards the group" keys="+" disabled={level === levels - 1} onClick={() => void actions.tools.stepObject(1)} />
+      <Button icon="plus" tip="Larger part" keys="+" disabled={level === levels - 1} onClick={() => void actions.tools.stepObject(1)} />
       <span class="number">{plural(points, 'point')}</span>
       {completes && (
         <Button label="Complete to object" kind="outlined" keys="Tab" tip="Take these points instead of the stroke" onClick={() => void actions.tools.completeObject()} />
       )}
       {completes && <Button icon="close" tip="Leave the stroke as it is" keys="Esc" onClick={() => actions.tools.endObject()} />}
-      {taken && <span class="soft">Click adds · Alt-click removes</span>}
+      {taken && <span class="soft">Click: add · Alt-click: remove</span>}
       {taken && <TrackOn />}
       {taken && <Button label="Next object" kind="outlined" keys="Esc" onClick={() => actions.tools.endObject()} />}
-      {!taken && !completes && <span class="soft">Wheel: part to group · click takes it</span>}
+      {!taken && !completes && <span class="soft">Wheel: smaller or larger · Click: apply</span>}
     </>
   ); // prettier-ignore
 }
 
-/** Button that tracks the label on from here, after the server has counted its points. */
+/** Button that tracks the label forward from here, after the server has counted its points. */
 function TrackOn() {
   const frame = state.frame.value;
   if (frame + 1 >= (state.sequence.value?.frames ?? 0)) return null;
@@ -64,7 +64,7 @@ function TrackOn() {
   return (
     <Button
       icon="track"
-      label="Track on"
+      label="Track forward"
       kind="outlined"
       tip="Track the label from this frame to the last"
       disabled={points === 0 || trackingJob.value !== null}

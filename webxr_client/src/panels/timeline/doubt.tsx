@@ -37,7 +37,7 @@ function Continue({ doubtful }: { doubtful: boolean }) {
   return (
     <Button
       label={waits ? `Continue to ${run.stop}` : 'Continue'}
-      tip="Track on from this frame"
+      tip="Track forward from this frame"
       kind="outlined"
       small
       onClick={() => actions.tracking.continueRun()}
@@ -56,9 +56,9 @@ function OfStretch({ found }: { found: Stretch }) {
   return (
     <span class="group stretch" role="group" aria-label={`Doubtful: ${frames}`}>
       <span class="number" data-tip={plural(stop - start + 1, 'doubtful frame')}>
-        {start === stop ? start : `${start} – ${stop}`}
+        {start === stop ? `Frame ${start}` : `Frames ${start} – ${stop}`}
       </span>
-      {canReview.value && (
+      {canReview.value && (start < stop || unsure.value.length === 0) && (
         <Button
           icon="check"
           tip={`Confirm ${frames} as correct`}

@@ -50,7 +50,7 @@ export class LabelsPage {
       this.drawChip(ui, label, { x: left, y, w: wide - GAP * em, h: (PITCH - GAP) * em });
     });
     if (palette.length === 0) {
-      ui.text('A label stands for one object.', x + em * 0.4, top + em * 1.5, { color: INK.quiet });
+      ui.text('One label per object or class.', x + em * 0.4, top + em * 1.5, { color: INK.quiet });
     }
     this.drawBelow(ui, x, top + (CHIPS / COLUMNS) * PITCH * em, inner - GAP * em);
   }

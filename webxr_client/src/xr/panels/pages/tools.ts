@@ -79,7 +79,7 @@ function checksOf(way: Way): readonly CheckRow[] {
   const stops: CheckRow = ['Tracking stops when unsure', stopUnsure, (on) => change({ stopUnsure: on })]; // prettier-ignore
   if (way.samples === 'clicks') {
     return [
-      ['Take from other labels', takeLabelled, (on) => patch(state.brush, { takeLabelled: on })],
+      ['Overwrite other labels', takeLabelled, (on) => patch(state.brush, { takeLabelled: on })],
       ['Follow: track painted labels', follow, (on) => patch(state.brush, { follow: on })],
       stops,
     ];
