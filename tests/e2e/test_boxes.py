@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Locator
+from playwright.sync_api import Locator, expect
 
 from tests.e2e.desk import Desk
 from tests.e2e.server import LiveServer
@@ -128,6 +128,9 @@ def test_a_click_draws_a_box_in_the_size_of_its_class(
     desk = open_desk(width=1720, height=900)
     desk.press("Shift+B")
     desk.until(f"{CHOSEN} === 1")
+    # Nothing is labelled: there is nothing to fit a box to.
+    expect(desk.page.get_by_role("button", name="Fit", exact=True)).to_have_count(1)  # the view's
+    expect(desk.page.get_by_role("button", name="Track and fit")).to_have_count(0)
     desk.page.get_by_role("button", name="Draw a box").click()
     desk.page.mouse.click(*desk.place(centre(0)))
     eventually(lambda: len(server.request("GET", "sequences/street/boxes").json()["boxes"]) == 1)
@@ -135,6 +138,13 @@ def test_a_click_draws_a_box_in_the_size_of_its_class(
     assert box["size"] == pytest.approx([4.4, 1.85, 1.6])
     assert np.linalg.norm(np.subtract(box["poses"]["0"]["centre"], centre(0))) < 2.5
     assert len(seen(0)) > 0
+    desk.page.set_viewport_size({"width": 1280, "height": 720})
+    occluded = desk.page.get_by_label("Occluded")
+    # "not set" and the arrow, neither of them cut.
+    desk.until("document.documentElement.clientWidth === 1280")
+    bounds = occluded.bounding_box()
+    assert bounds is not None
+    assert bounds["width"] > 80
 
 
 def test_the_camera_shows_the_box(open_desk: Callable[..., Desk], server: LiveServer) -> None:

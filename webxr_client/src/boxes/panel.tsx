@@ -85,17 +85,12 @@ function More({ box }: { box: ObjectBox }) {
 /** No box is chosen: how one gets there. */
 function Without() {
   const label = activeLabel.value;
+  const labelled = label !== null && (state.counts.value.get(label.id) ?? 0) > 0;
   return (
     <div class="box-without stack">
-      {label ? (
-        <>
-          <p>No box yet. Fit one to the label’s points in all frames.</p>
-          <FitButton kind="primary" />
-          <TrackFit />
-        </>
-      ) : (
-        <p>Click an object, or choose a label.</p>
-      )}
+      <p>{!label ? 'Click a labelled object, or choose a label.' : labelled ? 'No box yet. Fit one to the label’s points in all frames.' : 'No box yet. Draw one, or label the object first.'}</p>
+      {labelled && <FitButton kind="primary" />}
+      {labelled && <TrackFit />}
       <DrawButton />
       <p class="soft">{plural(boxes.value.size, 'box').replace('boxs', 'boxes')} in this recording</p>
     </div>

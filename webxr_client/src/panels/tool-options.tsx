@@ -52,7 +52,7 @@ function NavigateHints() {
 function BoxesHint() {
   return (
     <span class="soft small">
-      Click an object or its box · drag its handles here or at the side ·{' '}
+      Click a labelled object or its box · drag its handles here or at the side ·{' '}
       <span class="kbd">W A S D</span> to move it, <span class="kbd">Q E</span> to turn
     </span>
   );
