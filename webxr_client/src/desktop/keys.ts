@@ -11,6 +11,7 @@ import { answerDoubt, answerNth, exampleOpen, question, showNatural, skipDoubt, 
 import { findPeople, peopleOffer } from '../engine/find-people';
 import { clip, scrollClip } from '../tools/clip';
 import { openSearch } from '../panels/labels/palette';
+import { hasDepth } from '../store/sensors';
 import { canEdit, isStroke, state, type BrushShape } from '../store/state';
 import { nextOutlineKind } from '../tools/lasso';
 import { DESK_WAYS } from '../tools/ways';
@@ -136,7 +137,7 @@ const TOOLS = [
   held(['+', '='], 'Object: larger part', () => tools.stepObject(1)),
   held('-', 'Object: smaller part', () => tools.stepObject(-1)),
   key('shift+h', 'Find people in this frame', () => findPeople(), {
-    when: () => canEdit.peek() && state.sequence.peek() !== null,
+    when: () => canEdit.peek() && hasDepth.peek(),
   }),
   key('shift+x', 'Restore deleted points', () => tools.setTool('restore')),
   key('x', 'Delete noise', () => tools.setTool('delete')),

@@ -14,6 +14,7 @@ import {
   state,
 } from '../store/state';
 import { offers } from '../store/limits';
+import { hasDepth } from '../store/sensors';
 import { boxDraft } from '../tools/volume';
 import { outlineKind, type OutlineKind } from '../tools/lasso';
 import { DESK_WAYS, deskWay } from '../tools/ways';
@@ -143,7 +144,7 @@ function BrushOptions() {
           onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
         />
       )}
-      {way.name === 'object' && offers('people') && (
+      {way.name === 'object' && offers('people') && hasDepth.value && (
         <Button
           icon="people"
           label="Find people"

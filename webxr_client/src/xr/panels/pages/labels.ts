@@ -4,6 +4,7 @@ import type { Label } from '../../../protocol/messages';
 import { findPeople } from '../../../engine/find-people';
 import { unsure } from '../../../engine/review';
 import { shortCount } from '../../../common/format';
+import { hasDepth } from '../../../store/sensors';
 import { activeLabel, state } from '../../../store/state';
 import { INK, type Entry, type Ui } from '../../drawing/ui';
 import { Rows } from './rows';
@@ -88,7 +89,7 @@ export class LabelsPage {
     ui.strip(x, below + em * (STRIP + GAP), inner, em * STRIP, [
       [{ icon: 'plus', text: 'New' }, this.makeNew],
       [{ icon: 'pencil', text: 'Edit', disabled: !label }, this.edit],
-      [{ icon: 'people', text: 'People' }, () => void findPeople()],
+      [{ icon: 'people', text: 'People', disabled: !hasDepth.peek() }, () => void findPeople()],
       ...this.rows.turning(state.palette.peek().length),
     ]);
   }
