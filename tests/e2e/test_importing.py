@@ -161,7 +161,7 @@ def test_a_recording_whose_labels_did_not_come_in_is_tried_again(
     expect(line).to_contain_text("no room for labels")
     database("DROP TRIGGER full")
     line.get_by_role("button", name="Try again").click()
-    expect(line).to_contain_text("1 of 1 frames")
+    expect(line).to_contain_text("1 of 1 frame")
     desk.complaints.clear()
     assert (server.annotation(street()[0]["id"], 0) > 0).sum() == 10
 

@@ -454,11 +454,12 @@ def test_the_start_page_imports_files(browser: Browser, tmp_path: Path) -> None:
         window.until("pb.state.importing.value?.busy === false")
         dialog = window.page.get_by_role("dialog", name="Import")
         expect(dialog.get_by_text("2, by number in the file names")).to_be_visible()
+        expect(dialog.get_by_text("Other fields")).to_be_visible()
         dialog.get_by_label("Name").fill("Two frames")
         dialog.get_by_label("Name").press("Tab")
         dialog.get_by_role("button", name="Import", exact=True).click()
         window.until("pb.state.sequence.value?.frames === 2")
-        expect(window.page.get_by_text("A label stands for one object")).to_be_visible()
+        expect(window.page.get_by_text("A label is one object")).to_be_visible()
         by_keys_alone(window, server)
         window.close()
         assert window.complaints == []

@@ -256,7 +256,7 @@ def test_a_viewpoint_that_places_a_cloud_is_named_or_used(tmp_path, viewpoint):
     assert [frame.xyz.tolist() for frame in frames] == [[[1, 0, 0], [2, 0, 0]]] * 3
     (said,) = warnings
     assert "VIEWPOINT" in said
-    assert "moves no points; poses 'viewpoint' takes it as the pose" in said
+    assert "the points are not moved; poses 'viewpoint' moves the points by it" in said
     with reported() as warnings, open_source([folder], chosen=Corrections(poses="viewpoint")) as s:
         first, second, _ = s.frames
     assert not warnings

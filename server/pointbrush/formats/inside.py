@@ -45,8 +45,8 @@ def require_inside(paths: Sequence[Path], roots: Sequence[Path]) -> None:
 def outside() -> ForbiddenError:
     """Return the error for any path outside; it does not reveal whether the path exists."""
     return ForbiddenError(
-        "path: expected a file or folder under the folders that may be imported from "
-        "(see the option import_roots)"
+        "path: expected a file or folder under the folders that may be imported from: those of "
+        "the option --import-roots, or the home folder and the folder that the server started in"
     )
 
 

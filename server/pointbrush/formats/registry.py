@@ -68,7 +68,7 @@ BUILT_IN = (
     Format("npz", (".npz",), read_npz, "NumPy arrays"),
     Format("xyzrgb", (".xyzrgb",), read_xyzrgb, "XYZRGB float records", headless=True),
     Format("nuscenes", (".pcd.bin",), read_nuscenes, "nuScenes sweeps", headless=True),
-    Format("bin", (".bin",), read_bin, "float records, told apart by their values", headless=True),
+    Format("bin", (".bin",), read_bin, "float records (KITTI, nuScenes, XYZRGB)", headless=True),
     Format("kitti", (), read_kitti, "KITTI and SemanticKITTI", headless=True),
     Format("rgbd", (), read_depth, "depth and colour images (TUM RGB-D, Kinect v2)"),
     Format(

@@ -86,8 +86,8 @@ def kitti_pictures(files: Sequence[Path], folder: Path, limits: Limits) -> Pictu
     named = {camera.name: camera for camera in reversed(cameras.values())}
     if named and all(camera.T_camera_frame is None for camera in named.values()):
         log.warning(
-            "%s: the pictures of %s are kept without their place: there is no 'Tr' of the scanner "
-            "in a calibration; points cannot be projected into them",
+            "%s: there is no 'Tr' of the lidar in a calibration: the pictures of %s have no "
+            "position, and points cannot be projected into them",
             top.name, ", ".join(sorted(named)),
         )  # fmt: skip
     return of_files(top, rows, [named[name] for name in sorted(named)], limits)

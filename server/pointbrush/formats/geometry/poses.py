@@ -210,8 +210,8 @@ def _mounting(path: Path, calibration: Path) -> tuple[Pose, Pose]:
         if T_velo_cam is not None and T_pose_cam is not None:
             return np.eye(4), T_pose_cam @ _inverse(T_velo_cam)
     log.warning(
-        "%s: the poses are taken as the sensor's own: there is no 'Tr' in a calib.txt beside "
-        "them; poses of a camera would turn the recording",
+        "%s: there is no 'Tr' in a calib.txt beside it: the poses are used as poses of the lidar; "
+        "if they are poses of a camera, the frames do not match",
         path.name,
     )
     return np.eye(4), np.eye(4)
@@ -278,8 +278,8 @@ def _of_oxts(drive: Path, names: Sequence[str], times: Sequence[float] | None) -
     T_velo_imu = rigid_of(drive.parent / "calib_imu_to_velo.txt")
     if T_velo_imu is None:
         log.warning(
-            "oxts: the poses are taken as the sensor's own: there is no calib_imu_to_velo.txt; "
-            "they are off by how the unit is mounted, about a metre",
+            "oxts: there is no calib_imu_to_velo.txt: the poses are used as poses of the lidar; "
+            "they are off by the mount of the GPS unit, about a metre",
         )
         T_velo_imu = np.eye(4)
     files = sorted((drive / "oxts" / "data").glob("*.txt"), key=natural_key)

@@ -114,8 +114,8 @@ def _extras(header: Header, options: ReadOptions) -> Extras:
         return Extras(pose=pose, viewpoint=np.zeros(3))
     if not np.allclose(pose, np.eye(4), atol=SAME):
         log.warning(
-            "the VIEWPOINT of PCD files is another than 0 0 0 1 0 0 0: it is read as the place of "
-            "the sensor and moves no points; poses 'viewpoint' takes it as the pose of the points"
+            "the PCD files have a VIEWPOINT other than 0 0 0 1 0 0 0: it is used as the position "
+            "of the sensor, and the points are not moved; poses 'viewpoint' moves the points by it"
         )
     # Writers without a viewpoint also write 0 0 0; in an organised cloud it is the camera.
     return Extras(viewpoint=position if header.height > 1 or position.any() else None)

@@ -107,7 +107,8 @@ def name_left_out(name: str, columns: Iterable[str], found: Mapping[str, str]) -
     ]
     if left:
         log.warning(
-            "%s: the fields %s are not read as labels; columns %s=label reads one as labels",
+            "%s: these fields look like labels, but are not read as labels: %s; to read one, set "
+            "columns to %s=label",
             name, ", ".join(left), left[0],
         )  # fmt: skip
 

@@ -187,8 +187,8 @@ def _poses(
     worse = agree_better_without(posed)
     if worse:
         warnings.setdefault(
-            f"consecutive frames agree better without the poses of {source} than with them; "
-            "poses 'none' leaves them out"
+            f"consecutive frames match better without the poses of {source}; poses 'none' imports "
+            "without them"
         )
     return PreviewedPoses(source, None if worse is None else not worse)
 

@@ -25,12 +25,14 @@ export function orderCounts({ options, error, found, labels }: ImportDraft): boo
 export function Facts({ found }: { found: ImportPreview }) {
   const first = found.points[0];
   const extent = found.units.extent.map((wide) => wide.toFixed(1)).join(' × ');
+  const frames = found.frames?.toLocaleString('en') ?? 'unknown';
   const rows: readonly Fact[] = [
     ['Format', found.title],
-    ['Frames', `${found.frames?.toLocaleString('en') ?? 'unknown'}, ${found.order}`],
+    ['Frames', found.frames === 1 ? '1' : `${frames}, ${found.order}`],
     ['Rate', found.frames === 1 ? '' : `${found.fps} per second, ${found.fps_from}`],
     ['Points', `${first?.points.toLocaleString('en') ?? '0'} in the first frame`],
-    ['Columns', found.columns.map(described).join(', ')],
+    ['Columns', columnsOf(found, false)],
+    ['Other fields', columnsOf(found, true)],
     ['Size', `${extent} ${found.units.scale === 1 ? 'm' : found.units.name}`],
     ['Sensors', found.sensors.map(sensor).join(', ')],
     ['Cameras', found.cameras.map(camera).join(', ')],
@@ -114,8 +116,14 @@ function FactList({ rows }: { rows: readonly Fact[] }) {
   );
 }
 
+/** Columns that have a meaning or are ignored, or the `kept` ones, which are stored as they are. */
+function columnsOf({ columns }: ImportPreview, kept: boolean): string {
+  const listed = columns.filter(({ meaning }) => (meaning === 'kept') === kept);
+  return listed.map(described).join(', ');
+}
+
 function described({ name, meaning }: ImportPreview['columns'][number]): string {
-  if (meaning === name.toLowerCase() || meaning === 'xyz') return name;
+  if (meaning === name.toLowerCase() || meaning === 'xyz' || meaning === 'kept') return name;
   return `${name} (${meaning || 'ignored'})`;
 }
 

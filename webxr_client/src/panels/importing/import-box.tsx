@@ -58,7 +58,7 @@ export function ImportBox({ onBegin }: { onBegin?: () => void }) {
           <input
             class="field"
             value={path}
-            placeholder="/data/recordings/session-12"
+            placeholder="/home/me/recordings/session-12"
             spellcheck={false}
             onInput={(event) => setPath(event.currentTarget.value)}
           />

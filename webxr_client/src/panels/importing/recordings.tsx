@@ -69,7 +69,7 @@ function Figures({ row }: { row: SequenceSummary }) {
         <span class="progress" aria-hidden="true">
           <span style={{ width: `${(100 * labelled) / Math.max(1, frames)}%` }} />
         </span>
-        {labelled} of {frames} frames
+        {labelled} of {plural(frames, 'frame')}
       </span>
       <span class="soft number">{labels > 0 && `${used} of ${labels}`}</span>
       <span class="soft">{changed !== null && <When iso={changed} />}</span>
