@@ -17,7 +17,7 @@ from pointbrush.database.schema import jobs, sequences
 from pointbrush.database.statements import Statement
 from pointbrush.database.study_tables import study_log, study_participants
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, TooLargeError
-from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS
+from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS, ParticipantState
 
 Record = dict[str, Any]
 """A record of a log as JSON."""
@@ -54,6 +54,13 @@ class Session:
     def step(self) -> int:
         """Return the number of the current step."""
         return len(self.finished)
+
+    @property
+    def state(self) -> ParticipantState:
+        """Return the state of an unfinished session."""
+        if self.paused is not None:
+            return "paused"
+        return "waiting" if self.began is None else "running"
 
     def elapsed(self, now: float) -> float:
         """Return the seconds of the current step without pauses."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from pointbrush.values.base import Body, Complete, Meanings, Rule, Value
+from pointbrush.values.base import Body, Complete, Rule, Value
 from pointbrush.values.kinds import FrameRange, LabelId, Name, SequenceName, Share
 
 MOST_RECORDS = 1_000
@@ -41,20 +41,7 @@ Properties = Annotated[
 
 FileKind = Literal["csv", "parquet", "json"]
 Phase = Literal["navigation", "painting", "waiting"]
-StepKind = Annotated[
-    Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"],
-    Meanings(
-        {
-            "consent": "to agree to",
-            "instructions": "of a condition or task",
-            "practice": "a task that is not measured",
-            "task": "a measured task",
-            "questionnaire": "to answer",
-            "pause": "by the experimenter",
-            "done": "the end",
-        }
-    ),
-]
+StepKind = Literal["consent", "instructions", "practice", "task", "questionnaire", "pause", "done"]
 RecordKind = Literal[
     "stroke", "click", "undo", "redo", "level", "label", "playback", "pose", "frame_time",
     "device", "phase",
@@ -257,7 +244,8 @@ class StudyStep(Value):
     count: int
     """Number of steps."""
     kind: StepKind
-    """Kind of the step."""
+    """Kind of the step: `consent` to agree to; `instructions` of a condition or task; `practice`, a
+    task that is not measured; a `task`; a `questionnaire`; `pause` by the experimenter; `done`."""
     text: str
     """Text to show: of the consent, the condition or the task."""
     condition: Condition | None
@@ -314,16 +302,16 @@ class LogRecord(Body):
 
     kind: RecordKind
     """`stroke`: an edit (``id``, ``tool``, ``shape``, ``label``, ``frame``); `click` of the object
-    tool (``shape`` positive or negative); `undo`, `redo` of the last edit; another `level` of its
-    candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it
-    leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second;
-    `device` (``profile``), once a session; `phase` that begins."""
+    tool (``shape`` positive or negative); `undo`, `redo` of the last edit (``id``); another `level`
+    of its candidates; another `label`; `playback` (``action`` play, pause, step or seek; the
+    ``frame`` it leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the
+    last second; `device` (``profile``), once a session; `phase` that begins."""
     step: Count
     """Number of the step in which it was made."""
     t: Millis
     """Milliseconds since the step began, by the page's monotonic clock."""
     id: Annotated[str, Rule(max_length=36, pattern=r"^[0-9a-fA-F-]*$")] = ""
-    """UUID of a stroke, which is that of its edit."""
+    """UUID of a stroke, an undo or a redo, which is that of its edit."""
     tool: Token = ""
     """Tool of a stroke: paint, erase, delete or restore."""
     shape: Token = ""

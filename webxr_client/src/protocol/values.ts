@@ -811,13 +811,13 @@ export interface LogPosition {
 
 /** One record of a session's log; fields that its ``kind`` does not name are left out. */
 export interface LogRecord {
-  /** `stroke`: an edit (``id``, ``tool``, ``shape``, ``label``, ``frame``); `click` of the object tool (``shape`` positive or negative); `undo`, `redo` of the last edit; another `level` of its candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second; `device` (``profile``), once a session; `phase` that begins. */
+  /** `stroke`: an edit (``id``, ``tool``, ``shape``, ``label``, ``frame``); `click` of the object tool (``shape`` positive or negative); `undo`, `redo` of the last edit (``id``); another `level` of its candidates; another `label`; `playback` (``action`` play, pause, step or seek; the ``frame`` it leads to); `pose` at 30 Hz (``head``, ``left``, ``right``); `frame_time` of the last second; `device` (``profile``), once a session; `phase` that begins. */
   readonly kind: 'stroke' | 'click' | 'undo' | 'redo' | 'level' | 'label' | 'playback' | 'pose' | 'frame_time' | 'device' | 'phase';
   /** Number of the step in which it was made. */
   readonly step: number;
   /** Milliseconds since the step began, by the page's monotonic clock. */
   readonly t: number;
-  /** UUID of a stroke, which is that of its edit. */
+  /** UUID of a stroke, an undo or a redo, which is that of its edit. */
   readonly id?: string;
   /** Tool of a stroke: paint, erase, delete or restore. */
   readonly tool?: string;
@@ -949,7 +949,7 @@ export interface NewParticipant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
+  /** Kind of the current step. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -1047,7 +1047,7 @@ export interface Participant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
+  /** Kind of the current step. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;
@@ -1439,7 +1439,7 @@ export interface StudyStep {
   readonly number: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the step. `consent`: to agree to; `instructions`: of a condition or task; `practice`: a task that is not measured; `task`: a measured task; `questionnaire`: to answer; `pause`: by the experimenter; `done`: the end */
+  /** Kind of the step: `consent` to agree to; `instructions` of a condition or task; `practice`, a task that is not measured; a `task`; a `questionnaire`; `pause` by the experimenter; `done`. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Text to show: of the consent, the condition or the task. */
   readonly text: string;

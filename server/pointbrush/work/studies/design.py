@@ -1,13 +1,16 @@
-"""The design of a study: the order of conditions, the steps of a session, published scales."""
+"""The design of a study: the order of conditions, the steps of a session, scores."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 
 from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.teamwork.studies import Session
 from pointbrush.values.study import (
     Condition,
     QuestionItem,
@@ -17,29 +20,7 @@ from pointbrush.values.study import (
     StudyTask,
 )
 
-SUS = (
-    "I think that I would like to use this system frequently.",
-    "I found the system unnecessarily complex.",
-    "I thought the system was easy to use.",
-    "I think that I would need the support of a technical person to be able to use this system.",
-    "I found the various functions in this system were well integrated.",
-    "I thought there was too much inconsistency in this system.",
-    "I would imagine that most people would learn to use this system very quickly.",
-    "I found the system very cumbersome to use.",
-    "I felt very confident using the system.",
-    "I needed to learn a lot of things before I could get going with this system.",
-)
-"""System Usability Scale (Brooke 1996); every second item is reversed."""
-TLX = (
-    ("Mental demand: how mentally demanding was the task?", "Very low", "Very high"),
-    ("Physical demand: how physically demanding was the task?", "Very low", "Very high"),
-    ("Temporal demand: how hurried or rushed was the pace of the task?", "Very low", "Very high"),
-    ("Performance: how successful were you in the task?", "Perfect", "Failure"),
-    ("Effort: how hard did you have to work?", "Very low", "Very high"),
-    ("Frustration: how insecure, discouraged or annoyed were you?", "Very low", "Very high"),
-)
-"""Scales of the NASA Task Load Index (Hart and Staveland 1988), used without weights."""
-TLX_STEPS = 21
+SCALES = Path(__file__).parent / "scales.yaml"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,13 +39,12 @@ def conditions_of(study: Study, number: int) -> tuple[str, ...]:
     """Return the names of the conditions of participant ``number`` (from 1), in order."""
     names = [each.name for each in study.conditions]
     if study.design == "between":
-        round_, place = divmod(number - 1, len(names))
-        shuffled = study.order == "random"
-        order = _shuffled(study.seed, round_, len(names)) if shuffled else range(len(names))
+        block, place = divmod(number - 1, len(names))
+        order = _shuffled(study, block) if study.order == "random" else range(len(names))
         return (names[order[place]],)
-    if study.order == "random":
-        return tuple(names[n] for n in _shuffled(study.seed, number, len(names)))
-    return tuple(names[n] for n in latin_row(len(names), number - 1))
+    random = study.order == "random"
+    order = _shuffled(study, number) if random else latin_row(len(names), number - 1)
+    return tuple(names[n] for n in order)
 
 
 def latin_row(count: int, row: int) -> list[int]:
@@ -77,8 +57,9 @@ def latin_row(count: int, row: int) -> list[int]:
     return found[::-1] if count % 2 and (row // count) % 2 else found
 
 
-def _shuffled(seed: int, part: int, count: int) -> Sequence[int]:
-    order: list[int] = np.random.default_rng([seed, part]).permutation(count).tolist()
+def _shuffled(study: Study, block: int) -> Sequence[int]:
+    random = np.random.default_rng([study.seed, block])
+    order: list[int] = random.permutation(len(study.conditions)).tolist()
     return order
 
 
@@ -99,33 +80,29 @@ def plan(study: Study, conditions: Sequence[str]) -> list[PlannedStep]:
     return [*steps, *_questionnaires(study, "study", None), PlannedStep("done")]
 
 
+def step_of(study: Study, session: Session) -> PlannedStep:
+    """Return the current step of a session."""
+    steps = plan(study, session.conditions)
+    return steps[min(session.step, len(steps) - 1)]
+
+
 def _questionnaires(study: Study, after: str, condition: Condition | None) -> list[PlannedStep]:
+    asked = PlannedStep("questionnaire", condition=condition)
     return [
-        PlannedStep(
-            "questionnaire",
-            condition=condition,
-            questionnaire=replace(each, items=items_of(each)),
-        )
+        replace(asked, questionnaire=replace(each, items=each.items or _scales()[each.scoring]))
         for each in study.questionnaires
         if each.after == after
     ]
 
 
-def items_of(questionnaire: Questionnaire) -> tuple[QuestionItem, ...]:
-    """Return the items of a questionnaire, by default the published ones of its scoring."""
-    if questionnaire.items:
-        return questionnaire.items
-    if questionnaire.scoring == "sus":
-        low, high = "Strongly disagree", "Strongly agree"
-        return tuple(
-            QuestionItem(text=text, low=low, high=high, reversed=n % 2 == 1)
-            for n, text in enumerate(SUS)
-        )
-    if questionnaire.scoring == "tlx":
-        return tuple(
-            QuestionItem(text=text, low=low, high=high, steps=TLX_STEPS) for text, low, high in TLX
-        )
-    return ()
+@cache
+def _scales() -> dict[str, tuple[QuestionItem, ...]]:
+    """Return the published items by scoring."""
+    import yaml
+    from pydantic import TypeAdapter  # slow to import
+
+    items = TypeAdapter(dict[str, tuple[QuestionItem, ...]])
+    return {"own": (), **items.validate_python(yaml.safe_load(SCALES.read_text("utf-8")))}
 
 
 def require_answers(step: PlannedStep, answers: Sequence[int]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from pointbrush.errors import BadInputError, NotFoundError
 from pointbrush.formats.tables.parsing import parse_yaml
 from pointbrush.names import is_plain
+from pointbrush.sequences.storage.files import replace_file
 from pointbrush.values.study import LONGEST_YAML, Study
 from pointbrush.values.validation import describe
 
@@ -38,9 +39,7 @@ class StudyFiles:
     def write(self, study: str, text: str) -> None:
         """Replace the file of a study, whole or not at all."""
         self._folder.mkdir(parents=True, exist_ok=True)
-        partial = self._folder / f".{study}.partial"
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(self._path(study))
+        replace_file(self._path(study), text.encode())
 
     def remove(self, study: str) -> None:
         """Remove the file of a study."""

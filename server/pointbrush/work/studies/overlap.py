@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
 from pointbrush.labels.draft import Changes
-from pointbrush.labels.packing import BLOCK, LABELS, deleted_of, label_of
 from pointbrush.labels.types import EditInfo, FrameValues
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.study import StudyTask
 from pointbrush.work.exporting import parse_frames
 from pointbrush.work.library import Library
+from pointbrush.work.studies.replaying import Replayed
 
 Labels = NDArray[np.uint16]
 Frames = Mapping[int, Labels]
@@ -67,15 +67,21 @@ class Overlap:
         self._labels = [each for each in labels if true[each]]
         self._shares = {frame: self._share(frame, np.zeros_like(truth[frame])) for frame in truth}
 
+    @classmethod
+    def of(cls, store: WorkspaceStore, library: Library, task: StudyTask) -> Overlap:
+        """Return the overlap of no labels with the ground truth of a task."""
+        return cls(truth_of(store, library, task), ids_of(store, task))
+
     @property
     def iou(self) -> float:
         """Return the mean intersection over union of the labels, over all frames together."""
         both, either = np.sum([*self._shares.values()], axis=0)
         return float(np.mean(both / either)) if self._labels else 0.0
 
-    def put(self, frame: int, values: Labels) -> None:
-        """Set the labels of a frame."""
-        self._shares[frame] = self._share(frame, values)
+    def put(self, frame: int, values: FrameValues) -> None:
+        """Set the labels of a frame, which has no effect without ground truth of it."""
+        if frame in self._truth:
+            self._shares[frame] = self._share(frame, shown(values))
 
     def _share(self, frame: int, values: Labels) -> NDArray[np.int64]:
         """Return the points of intersection and union by label."""
@@ -93,23 +99,13 @@ Point = tuple[float, float]
 
 
 def curve_of(
-    edits: Iterable[tuple[EditInfo, Changes]],
-    times: Mapping[str, float],
-    truth: Frames,
-    labels: Sequence[int],
-) -> Iterator[Point]:
+    edits: Iterable[tuple[EditInfo, Changes]], times: Mapping[str, float], overlap: Overlap,
+    replayed: Replayed,
+) -> Iterator[Point]:  # fmt: skip
     """Yield the IoU at the begin and after each edit that has a time, by the edit's id."""
-    overlap = Overlap(truth, labels)
-    held = {frame: np.zeros_like(values) for frame, values in truth.items()}
-    deleted = {frame: np.zeros(len(values), bool) for frame, values in truth.items()}
     yield 0.0, overlap.iou
     for edit, changes in edits:
-        for (frame, layer, block), change in changes.items():
-            if frame in truth and layer == LABELS:
-                held[frame][change.indices + block * BLOCK] = label_of(change.after)
-            elif frame in truth:
-                deleted[frame][change.indices + block * BLOCK] = deleted_of(change.after)
-        for frame in {frame for frame, _, _ in changes} & truth.keys():
-            overlap.put(frame, np.where(deleted[frame], np.uint16(0), held[frame]))
+        for frame in replayed.apply(changes):
+            overlap.put(frame, replayed.values(frame))
         if edit.id in times:
             yield times[edit.id], overlap.iou

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from dataclasses import asdict, replace
 
 import numpy as np
 
 from pointbrush.errors import BadInputError
-from pointbrush.labels import Label, Write
-from pointbrush.labels.types import IMPORTED
+from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.samples import generate
-from pointbrush.samples.recording import Recording as Sample
-from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.sequences import RecordingInfo, import_frames, update_manifest
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.study import StudyTask
-from pointbrush.work.imports.source_labels import edit_of
+from pointbrush.work.imports.new_recordings import register
+from pointbrush.work.imports.source_labels import import_source_labels
 from pointbrush.work.library import Library
 from pointbrush.work.studies.overlap import frames_of, ids_of, truth_of
 
@@ -37,38 +36,21 @@ def require_task(store: WorkspaceStore, library: Library, task: StudyTask) -> No
 
 
 def _generate(store: WorkspaceStore, library: Library, task: StudyTask) -> None:
-    """Make a sample whose labels are the ground truth."""
-    end = task.frames.rpartition(":")[2]
-    count = int(end or 1)
+    """Import a sample with its ground truth, as if its files had the labels."""
+    count = int(task.frames.rpartition(":")[2] or 1)
     if count > MOST_FRAMES:
         raise BadInputError(f"frames: expected at most {MOST_FRAMES} of a sample, got {count}")
     library.require_writable()
     sample = generate(task.sample, frames=count)
+    info = RecordingInfo(task.recording, sample.name, sample.fps, f"sample {task.sample}")
+    palette = [asdict(SourceLabel(*label)) for label in sample.labels]
+    labelled = (replace(sample.frames[n], label=sample.truth[n]) for n in range(count))
     guard = store.guards.reserve([task.recording], library.is_free)
     try:
         with library.store.target(task.recording).building(lambda *_: None) as folder:
-            info = RecordingInfo(
-                task.recording, sample.name, sample.fps, source=f"sample {task.sample}"
-            )
-            import_frames(sample.frames, folder, info, total=count)
-        manifest = library.recording(task.recording).manifest
-        store.recordings.register(task.recording, manifest.points, manifest.identity)
+            import_frames(labelled, folder, info, total=count)
+            update_manifest(folder, palette=palette)
+        register(store, library.recording(task.recording).manifest)
     finally:
         store.guards.end(guard)
-    palette = [Label(number, name, color=color) for number, name, _, color in sample.labels]
-    store.apply(
-        task.recording,
-        edit_id=edit_of(manifest),
-        author="import",
-        kind="import",
-        writes=lambda _: (palette, _truths(library, task.recording, sample)),
-        summary="true labels of the sample",
-    )
-
-
-def _truths(library: Library, sequence: str, sample: Sample) -> Iterator[tuple[int, Write]]:
-    recording = library.recording(sequence)
-    for frame in range(len(recording)):
-        truth = sample.truth[frame][recording[frame].source_index]
-        held = np.flatnonzero(truth)
-        yield frame, Write(held, label=truth[held], provenance=IMPORTED)
+    import_source_labels(store, library.recording(task.recording), "import")

@@ -1,114 +1,104 @@
-"""Replay of a session: the log's edits in order on new labels, compared with the kept ones."""
+"""Replay of a task: the edits that its log names, applied again in their order."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import closing
-from pathlib import Path
+from collections import Counter
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from pointbrush.errors import ConflictError
-from pointbrush.labels import LabelStore, Write
 from pointbrush.labels.draft import Changes
 from pointbrush.labels.packing import (
     BLOCK,
+    DELETION,
     LABELS,
+    States,
     confidence_of,
     deleted_of,
     label_of,
     provenance_of,
 )
+from pointbrush.labels.types import EditInfo, FrameValues
 from pointbrush.sequences import Sequence as Recording
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Record
-from pointbrush.values.study import Replay
 
-WHO = "participant"
 LAYERS = ("label", "provenance", "confidence", "deleted")
 
 
-def replay(
-    store: WorkspaceStore, copies: Mapping[str, tuple[Recording, Sequence[Record]]]
-) -> Replay:
-    """Compare the labels of copies with the result of their records.
+class Replayed:
+    """The labels of a recording after edits that are applied one by one."""
 
-    ``copies``: recording and records by a name for people.
+    def __init__(self, points: Sequence[int]) -> None:
+        """``points``: number of points of each frame."""
+        self._points, self._words = points, dict[tuple[int, int], States]()
+
+    def apply(self, changes: Changes) -> set[int]:
+        """Apply an edit; return the frames that it changes."""
+        for (frame, layer, block), change in changes.items():
+            self._of(frame, layer)[change.indices + block * BLOCK] = change.after
+        return {frame for frame, _, _ in changes}
+
+    def values(self, frame: int) -> FrameValues:
+        """Return the annotation of a frame."""
+        words = self._of(frame, LABELS)
+        deleted = deleted_of(self._of(frame, DELETION))
+        return FrameValues(
+            label_of(words), provenance_of(words), deleted, confidence_of(words), 0, 0
+        )
+
+    def _of(self, frame: int, layer: int) -> States:
+        none = np.zeros(self._points[frame], np.uint64)
+        return self._words.setdefault((frame, layer), none)
+
+
+def matched(edits: Iterable[EditInfo], records: Iterable[Record]) -> list[tuple[EditInfo, Record]]:
+    """Return the records of edits in their order, each with its edit.
+
+    A record has the id of its edit; undos and redos without one match by their order.
     """
-    applied = 0
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        closing(LabelStore(f"sqlite:///{Path(folder) / 'labels.sqlite'}")) as fresh,
-    ):
-        for name, (recording, records) in copies.items():
-            try:
-                applied += _apply_all(store, fresh, recording, records)
-                _compare(store, fresh, recording)
-            except ConflictError as difference:
-                return Replay(False, applied, f"{name}: {difference}")
-    return Replay(True, applied, "")
-
-
-def _apply_all(
-    store: WorkspaceStore, fresh: LabelStore, recording: Recording, records: Sequence[Record]
-) -> int:
-    """Apply the edits of the records; raises ConflictError if the labels have other edits."""
-    sequence = recording.manifest.id
-    fresh.recordings.register(sequence, recording.manifest.points)
-    for label in store.palette(sequence):
-        fresh.create_label(sequence, "import", name=label.name, id=label.id, color=label.color)
-    made = {edit.id.lower(): (edit, changes) for edit, changes in store.changes(sequence)}
-    missing = [key for key in made if made[key][0].kind not in ("undo", "redo", "import")]
-    applied = 0
+    known, found = [*edits], list[tuple[EditInfo, Record]]()
+    by_id = {each.id.lower(): each for each in known}
+    by_kind = {kind: iter([e for e in known if e.kind == kind]) for kind in ("undo", "redo")}
     for record in records:
-        kind, key = record["kind"], record.get("id", "").lower()
-        if kind == "stroke" and key in made:
-            if key not in missing:
-                raise ConflictError(f"the log has edit {key} twice")
-            missing.remove(key)
-            edit, changes = made[key]
-            fresh.apply(
-                sequence, edit_id=edit.id, author=WHO, kind=edit.kind, writes=_writes(changes),
-                summary=edit.summary,
-            )  # fmt: skip
-        elif kind in ("undo", "redo"):
-            try:
-                (fresh.undo if kind == "undo" else fresh.redo)(sequence, WHO)
-            except ConflictError as error:
-                raise ConflictError(f"{kind} at {record['t'] / 1000:.1f} s: {error}") from None
-        else:
-            continue
-        applied += 1
-    if missing:
-        edit = made[missing[0]][0]
-        raise ConflictError(f"the log has no record of edit {edit.id} ({edit.summary})")
-    return applied
+        key = record.get("id", "").lower()
+        edit = by_id.get(key) if key else next(by_kind.get(record["kind"], iter(())), None)
+        if edit:
+            found.append((edit, record))
+    return found
 
 
-def _writes(changes: Changes) -> Iterator[tuple[int, Write]]:
-    for (frame, layer, block), change in changes.items():
-        at, after = change.indices + block * BLOCK, change.after
-        if layer == LABELS:
-            yield frame, Write(
-                at, label=label_of(after), provenance=provenance_of(after),
-                confidence=confidence_of(after),
-            )  # fmt: skip
-        else:
-            yield frame, Write(at, deleted=deleted_of(after))
+def replay(store: WorkspaceStore, recording: Recording, records: Sequence[Record]) -> int:
+    """Apply the edits of a log, and compare the result with the labels of the recording.
 
-
-def _compare(store: WorkspaceStore, fresh: LabelStore, recording: Recording) -> None:
+    Returns the number of edits; raises ConflictError with the first difference.
+    """
     sequence = recording.manifest.id
+    changes = {e.id: (e, found) for e, found in store.changes(sequence) if e.kind != "import"}
+    logged = [edit.id for edit, _ in matched([edit for edit, _ in changes.values()], records)]
+    for edit, _ in changes.values():
+        if edit.id not in logged:
+            raise ConflictError(f"the log has no record of edit {edit.id} ({edit.summary})")
+    for key, count in Counter(logged).items():
+        if count > 1:
+            raise ConflictError(f"the log has edit {key} {count} times")
+    replayed = Replayed(recording.manifest.points)
+    for key in logged:
+        replayed.apply(changes[key][1])
     for frame in range(len(recording)):
-        kept, found = store.values(sequence, frame), fresh.values(sequence, frame)
-        for layer in LAYERS:
-            own, other = getattr(kept, layer), getattr(found, layer)
-            differs = np.flatnonzero(own != other)
-            if len(differs):
-                first = int(recording[frame].source_index[differs].min())
-                at = differs[recording[frame].source_index[differs].argmin()]
-                raise ConflictError(
-                    f"frame {frame}, point {first}: the {layer} is {own[at]}, the log leads to "
-                    f"{other[at]} ({len(differs):,} points differ in this frame)"
-                )
+        _compare(recording, frame, store.values(sequence, frame), replayed.values(frame))
+    return len(logged)
+
+
+def _compare(recording: Recording, frame: int, kept: FrameValues, found: FrameValues) -> None:
+    for layer in LAYERS:
+        own, other = getattr(kept, layer), getattr(found, layer)
+        differs = np.flatnonzero(own != other)
+        if len(differs):
+            source = recording[frame].source_index[differs]
+            at = differs[source.argmin()]
+            raise ConflictError(
+                f"frame {frame}, point {source.min()}: the {layer} is {own[at]}, the log leads to "
+                f"{other[at]} ({len(differs):,} points differ in this frame)"
+            )

@@ -5,20 +5,20 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, get_args
 
 import numpy as np
 
-from pointbrush.labels.types import EditInfo
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import FinishedStep, Record, Session
 from pointbrush.values.study import FileKind, LogRecord, Phase, Questionnaire, Study
 from pointbrush.work.library import Library
 from pointbrush.work.studies.design import PlannedStep, items_of, plan, score
-from pointbrush.work.studies.overlap import Point, curve_of, ids_of, truth_of
+from pointbrush.work.studies.overlap import Overlap, Point, curve_of
+from pointbrush.work.studies.replaying import Replayed, matched
 
 Row = dict[str, Any]
 PHASES: tuple[str, ...] = get_args(Phase)
@@ -41,12 +41,13 @@ def task_results(
                 continue
             duration = ended.ended - ended.began - ended.paused_s
             duration = min(duration, step.task.time_limit_s or duration)
-            edits, log = [*store.changes(copies[number])], records.get(number, [])
-            lines = [line for line, _ in edits if line.kind != "import"]
-            truth, labels = truth_of(store, library, step.task), ids_of(store, step.task)
-            times = times_of(lines, log)
-            curve = [*curve_of(edits, times, truth, labels)]
-            strokes = sum(1 for each in lines if each.id in times and each.target is None)
+            edits, log = [*store.changes(copies[number])], records[number]
+            found = matched((edit for edit, _ in edits), log)
+            strokes = sum(edit.target is None for edit, _ in found)
+            overlap = Overlap.of(store, library, step.task)
+            replayed = Replayed(library.recording(copies[number]).manifest.points)
+            times = {edit.id: record["t"] / 1000 for edit, record in found}
+            curve = [*curve_of(edits, times, overlap, replayed)]
             named = _named(session, step)
             row = named | measures(duration, log, strokes, curve)
             yield row | scores.get(named["condition"], {}) | scores[""], curve
@@ -135,20 +136,6 @@ def columns_of(questionnaire: Questionnaire) -> list[str]:
 # ── measures of a task, from its log and the journal of its labels ───────────────────────
 
 
-def times_of(edits: Sequence[EditInfo], records: Sequence[Record]) -> dict[str, float]:
-    """Return the time of each edit in the log by its id, seconds since the task began.
-
-    A stroke's record has the id of its edit; undos and redos match by their order.
-    """
-    times = {each["id"].lower(): each["t"] / 1000 for each in records if each["kind"] == "stroke"}
-    found = {each.id: times[each.id.lower()] for each in edits if each.id.lower() in times}
-    for kind in ("undo", "redo"):
-        ids = [each.id for each in edits if each.kind == kind]
-        spans = [each["t"] / 1000 for each in records if each["kind"] == kind]
-        found |= dict(zip(ids, spans, strict=False))
-    return found
-
-
 def measures(
     duration_s: float, records: Sequence[Record], strokes: int, curve: Sequence[Point]
 ) -> dict[str, Any]:
@@ -157,9 +144,10 @@ def measures(
     return {
         "duration_s": round(duration_s, 3),
         "iou": curve[-1][1],
+        **{name: time_to(level, curve) for name, level in LEVELS.items()},
         **{
-            name: next((at for at, iou in curve if iou >= level), None)
-            for name, level in LEVELS.items()
+            name: next((t for t, iou in curve if iou >= least), None)
+            for name, least in LEVELS.items()
         },
         "strokes": strokes,
         "clicks": counts["click"],
@@ -168,6 +156,11 @@ def measures(
         **{f"{limb}_m": travel(records, limb) for limb in LIMBS},
         **shares(records, duration_s),
     }
+
+
+def time_to(level: float, curve: Sequence[Point]) -> float | None:
+    """Return the seconds until the IoU was at least ``level``; None: never."""
+    return next((at for at, iou in curve if iou >= level), None)
 
 
 def travel(records: Sequence[Record], limb: str) -> float | None:
@@ -190,11 +183,11 @@ def shares(records: Sequence[Record], duration_s: float) -> dict[str, float | No
     return {phase: seconds / duration_s for phase, seconds in spent.items()}
 
 
-def by_step(log: Sequence[Record]) -> Mapping[int, list[Record]]:
+def by_step(log: Iterable[Record]) -> Mapping[int, list[Record]]:
     """Return the records of each step."""
-    found: dict[int, list[Record]] = {}
+    found = defaultdict[int, list[Record]](list)
     for record in log:
-        found.setdefault(record["step"], []).append(record)
+        found[record["step"]].append(record)
     return found
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from pointbrush.database.project_tables import FIRST
-from pointbrush.errors import BadInputError, ConflictError
+from pointbrush.errors import BadInputError, ConflictError, NotFoundError
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import Session
 from pointbrush.values.study import (
@@ -16,7 +16,6 @@ from pointbrush.values.study import (
     LogRecords,
     NewStudy,
     Participant,
-    ParticipantState,
     Replay,
     SessionStep,
     StepDone,
@@ -27,9 +26,9 @@ from pointbrush.values.study import (
 )
 from pointbrush.work.library import Library
 from pointbrush.work.projects.copies import make_copy
-from pointbrush.work.studies.design import PlannedStep, conditions_of, plan, require_answers
+from pointbrush.work.studies.design import conditions_of, plan, require_answers, step_of
 from pointbrush.work.studies.files import TEMPLATES, StudyFiles, parse
-from pointbrush.work.studies.overlap import Overlap, Point, frames_of, ids_of, shown, truth_of
+from pointbrush.work.studies.overlap import Overlap, Point, frames_of, ids_of
 from pointbrush.work.studies.recordings import require_task
 from pointbrush.work.studies.replaying import replay
 from pointbrush.work.studies.report import to_html
@@ -53,16 +52,13 @@ class Studies:
     """
 
     def __init__(
-        self,
-        store: WorkspaceStore,
-        library: Library,
-        folder: Path,
-        erase: Callable[[str], None],
+        self, store: WorkspaceStore, library: Library, folder: Path, erase: Callable[[str], None]
     ) -> None:
         """``erase``: removes a recording with its labels for ever."""
         self._store, self._library, self._erase = store, library, erase
         self._rows, self._files = store.studies, StudyFiles(folder)
-        self._copying, self._writing = threading.Lock(), threading.Lock()
+        self._copying: dict[str, threading.Lock] = {}
+        self._writing = threading.Lock()
 
     def all(self) -> list[StudyInfo]:
         """Return all studies by id; raises BadInputError for an invalid file."""
@@ -71,9 +67,8 @@ class Studies:
     def get(self, study: str) -> StudyInfo:
         """Return a study; raises NotFoundError, BadInputError for an invalid file."""
         text = self._files.text(study)
-        found = parse(text, study)
-        sessions = self._rows.all(study)
-        done = sum(1 for each in sessions if _step_of(found, each).kind == "done")
+        found, sessions = parse(text, study), self._rows.all(study)
+        done = sum(step_of(found, each).kind == "done" for each in sessions)
         return StudyInfo(study, found, text, len(sessions), done)
 
     def create(self, new: NewStudy) -> StudyInfo:
@@ -134,10 +129,7 @@ class Studies:
     def add(self, study: str, count: int) -> list[tuple[Participant, str]]:
         """Add participants; return them with their codes, which are not stored."""
         design = self._files.read(study)
-        made = [
-            self._rows.add(study, lambda number: conditions_of(design, number))
-            for _ in range(count)
-        ]
+        made = [self._rows.add(study, lambda n: conditions_of(design, n)) for _ in range(count)]
         return [(self._overview(design, session), code) for session, code in made]
 
     def pause(self, study: str, key: str, *, paused: bool) -> Participant:
@@ -156,24 +148,16 @@ class Studies:
         self._store.team.access.forget()
 
     def _overview(self, study: Study, session: Session) -> Participant:
-        step = _step_of(study, session)
+        step = step_of(study, session)
         sequence = self._rows.copies(session).get(step.copy)
-        state: ParticipantState = "waiting" if session.began is None else "running"
-        if step.kind == "done":
-            state = "done"
-        elif session.paused is not None:
-            state = "paused"
-        return Participant(
-            number=session.number,
-            conditions=session.conditions,
-            state=state,
-            step=session.step,
+        return Participant.of(
+            session,
+            state="done" if step.kind == "done" else session.state,
             count=len(plan(study, session.conditions)),
             kind=step.kind,
             task=step.task.name if step.task else None,
             sequence=sequence,
             iou=self._iou(step.task, sequence) if step.task and sequence else None,
-            records=session.records,
         )
 
     # ── the session of a participant ─────────────────────────────────────────────────────
@@ -182,23 +166,22 @@ class Studies:
         """Return the current step of a participant, with a copy of its recording."""
         session, now = self._rows.begin(account)
         study = self._files.read(session.study)
-        step, elapsed = _step_of(study, session), session.elapsed(now)
-        task, sequence = step.task, self._copy_of(account, step)
+        step, elapsed = step_of(study, session), session.elapsed(now)
+        task = step.task
         frames = frames_of(self._library, task) if task else range(0)
+        sequence = self._copy_of(session, step.copy, task) if task else None
         works = step.kind in ("practice", "task")
         limit = task.time_limit_s if task and works else None
         left = None if limit is None else max(0.0, limit - elapsed)
         reached = left == 0.0
         if task and sequence and works and task.stop == "iou" and not reached:
             reached = self._iou(task, sequence) >= task.target_iou
-        return StudyStep(
+        return StudyStep.of(
+            step,
             title=study.title,
             number=session.step,
             count=len(plan(study, session.conditions)),
             kind="pause" if session.paused is not None else step.kind,
-            text=step.text,
-            condition=step.condition,
-            task=task,
             sequence=sequence,
             start=frames.start,
             stop=frames.stop,
@@ -206,7 +189,6 @@ class Studies:
             time_left_s=left,
             elapsed_s=elapsed,
             reached=reached,
-            questionnaire=step.questionnaire,
             records=session.records,
         )
 
@@ -216,7 +198,7 @@ class Studies:
         Raises BadInputError for answers that are missing or out of range, ConflictError.
         """
         session = self._rows.session(account)
-        step = _step_of(self._files.read(session.study), session)
+        step = step_of(self._files.read(session.study), session)
         if done.number == session.step:
             if step.kind == "done":
                 raise ConflictError("step: the session is finished")
@@ -229,27 +211,33 @@ class Studies:
         records = [each.to_json() for each in log.records]
         return LogPosition(self._rows.append(account, log.first, records))
 
-    def _copy_of(self, account: str, step: PlannedStep) -> str | None:
-        """Return the copy that a step shows, which is made if it is missing; None: none."""
-        if step.task is None:
-            return None
-        with self._copying:
-            known = self._rows.copies(self._rows.session(account)).get(step.copy)
-            if known is None:
-                sequence, labels = step.task.recording, set(step.task.labels)
-                project = self._store.team.summaries.project(sequence) or FIRST
-                known = make_copy(
-                    self._store, self._library, sequence, project, range(0), "study", labels
-                )
-                self._rows.keep_copy(account, step.copy, known)
-                self._store.team.access.forget()
-        return known
+    def _copy_of(self, session: Session, number: int, task: StudyTask) -> str:
+        """Return the copy of a task's recording for step ``number``, made if it is missing."""
+        account, original = session.account, task.recording
+        found = self._rows.copies(session).get(number)
+        if found:
+            return found
+        # Calls of one participant wait for each other, those of others do not.
+        with self._copying.setdefault(account, threading.Lock()):
+            found = self._rows.copies(self._rows.session(account)).get(number)
+            if found:
+                return found
+            project = self._store.team.summaries.project(original) or FIRST
+            made = make_copy(
+                self._store, self._library, original, project, range(0), "study", set(task.labels)
+            )
+            try:
+                self._rows.keep_copy(account, number, made)
+            except NotFoundError:  # the participant was deleted meanwhile
+                self._erase(made)
+                raise
+        self._store.team.access.forget()
+        return made
 
     def _iou(self, task: StudyTask, sequence: str) -> float:
-        truth = truth_of(self._store, self._library, task)
-        overlap = Overlap(truth, ids_of(self._store, task))
-        for frame in truth:
-            overlap.put(frame, shown(self._store.values(sequence, frame)))
+        overlap = Overlap.of(self._store, self._library, task)
+        for frame in frames_of(self._library, task):
+            overlap.put(frame, self._store.values(sequence, frame))
         return overlap.iou
 
     # ── results ──────────────────────────────────────────────────────────────────────────
@@ -289,16 +277,11 @@ class Studies:
     def replay(self, study: str, key: str) -> Replay:
         """Compare the labels of a participant with the result of their log."""
         records = by_step(self._rows.log(self._rows.get(study, key).account))
-        copies = {
-            f"{step.condition}, {step.task}": (
-                self._library.recording(step.sequence), records.get(step.number, [])
-            )
-            for step in self.steps(study, key)
-        }  # fmt: skip
-        return replay(self._store, copies)
-
-
-def _step_of(study: Study, session: Session) -> PlannedStep:
-    """Return the current step of a session."""
-    steps = plan(study, session.conditions)
-    return steps[min(session.step, len(steps) - 1)]
+        edits = 0
+        for step in self.steps(study, key):
+            recording = self._library.recording(step.sequence)
+            try:
+                edits += replay(self._store, recording, records[step.number])
+            except ConflictError as difference:
+                return Replay(False, edits, f"{step.condition}, {step.task}: {difference}")
+        return Replay(True, edits, "")
