@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,32 +17,53 @@ from playwright.sync_api import Browser, expect
 from tests.e2e.chromium import TOUR_LEFT, UNDRAWN
 from tests.e2e.desk import Desk, blank_page, launch
 from tests.e2e.headset import QUEST, Headset, runtime
+from tests.e2e.inputs import Input, eyes_alone
 from tests.e2e.server import LiveServer
+from tests.waiting import eventually
 
 TEMPLATES = Path(__file__).parents[2] / "server" / "pointbrush" / "work" / "studies" / "templates"
-STUDY, RECORDING = "short", "study-table-top"
+STUDY, TOOLS, RECORDING = "short", "tools", "study-table-top"
+WORN = """
+- {name: hands, device: headset, input: hands}
+- {name: look, device: headset, input: look-and-pinch}
+"""
 LABEL = "carton"
 
 
 @pytest.fixture(scope="module")
 def server(template: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveServer]:
-    """One for both: the study is *Desk or headset* with one condition and two tasks for each."""
+    """One for all: a study of the package with more conditions, one for each participant."""
     workspace = tmp_path_factory.mktemp("study") / "workspace"
     shutil.copytree(template, workspace)
     live = LiveServer(workspace)
     live.start()
-    text = (TEMPLATES / "desk-or-headset.yaml").read_text()
-    text = text.replace("design: within", "design: between")
-    begin, end = text.index("- name: jugglers"), text.index("questionnaires:")
-    live.request("POST", "studies", json={"id": STUDY, "text": text[:begin] + text[end:]})
+    live.request("POST", "studies", json={"id": STUDY, "text": short("desk-or-headset", WORN)})
+    # A stroke or a click is enough.
+    text = short("brush-or-object-tool").replace("target_iou: 0.9", "target_iou: 0.02")
+    live.request("POST", "studies", json={"id": TOOLS, "text": text})
     yield live
     live.stop()
 
 
+def short(template: str, conditions: str = "") -> str:
+    """A study of the package with more conditions, one for each participant, and two tasks."""
+    text = (TEMPLATES / f"{template}.yaml").read_text()
+    text = text.replace("design: within", "design: between")
+    text = text.replace("tasks:\n", f"{conditions}tasks:\n")
+    begin, end = text.index("- name: jugglers"), text.index("questionnaires:")
+    return text[:begin] + text[end:]
+
+
 @pytest.fixture(scope="module")
 def links(server: LiveServer) -> dict[str, str]:
-    """The addresses of two participants, by the condition of each."""
-    added = server.request("POST", f"studies/{STUDY}/participants", json={"count": 2}).json()
+    """The addresses of participants, by the condition of each."""
+    added = [
+        each
+        for study, count in ((STUDY, 4), (TOOLS, 2))
+        for each in server.request(
+            "POST", f"studies/{study}/participants", json={"count": count}
+        ).json()
+    ]
     return {each["conditions"][0]: each["link"] for each in added}
 
 
@@ -86,9 +108,9 @@ def shown(desk: Desk) -> None:
     desk.pictures()
 
 
-def replays(server: LiveServer, number: int) -> list[dict[str, Any]]:
+def replays(server: LiveServer, number: int, study: str = STUDY) -> list[dict[str, Any]]:
     """Check that the log leads to the labels of the participant, bit for bit; return the log."""
-    path = f"studies/{STUDY}/participants/{number}"
+    path = f"studies/{study}/participants/{number}"
     answer = server.request("POST", f"{path}/replay").json()
     assert answer["equal"], answer["difference"]
     assert answer["edits"] >= 1
@@ -117,7 +139,8 @@ def test_a_participant_at_the_desk(
 
     manager = launch(browser, server.page_url)
     press(manager, "Studies")
-    press(manager, "Open")
+    listed = manager.page.get_by_role("listitem").filter(has_text="Desk or headset")
+    listed.get_by_role("button", name="Open").click()
     press(manager, "Pause the session of participant 1")
     expect(desk.page.get_by_role("heading", name="Paused")).to_be_visible()
     press(manager, "Continue the session of participant 1")
@@ -194,3 +217,70 @@ def test_a_participant_in_a_headset(
     assert any(each["right"] for each in poses if "right" in each)
     worn.close()
     assert worn.complaints == []
+
+
+@pytest.mark.parametrize(("number", "condition"), [(3, "hands"), (4, "look")])
+def test_a_participant_without_controllers(
+    browser: Browser, server: LiveServer, links: dict[str, str], number: int, condition: str
+) -> None:
+    scripts = (runtime(QUEST), TOUR_LEFT, UNDRAWN)
+    worn = Headset(blank_page(browser, server.url), links[condition], scripts)
+    read(worn, "Before you begin", "I agree")
+    read(worn, "Instructions", "Begin")
+    read(worn, "practice: put on the headset", "Enter VR")
+    worn.until("hs.headset.cockpit && hs.frames() > 2")
+    if condition == "hands":
+        worn.lay_down_controllers()
+        worn.click("added", "Begin")
+        shown(worn)
+        worn.paint([target(server)])
+    else:
+        eyes_alone(worn)
+        look = Input(worn, "look", "transient-pointer", "right")
+        look.look_at("added", "Begin")
+        look.select(True)
+        look.select(False)
+        shown(worn)
+        look.look(target(server))
+        look.select(True)
+        look.select(False)
+    worn.until("pb.state.undo.value !== null")
+    worn.settled()
+    path = f"studies/{STUDY}/participants/{number}"
+    eventually(lambda: server.request("POST", f"{path}/replay").json()["edits"] == 1)
+    log = replays(server, number)
+    assert ("hand" in "".join(r["profile"]["controllers"] for r in log if "profile" in r)) == (
+        condition == "hands"
+    )
+    assert any(each.get("head") for each in log)
+    worn.close()
+    assert worn.complaints == []
+
+
+@pytest.mark.parametrize(("number", "tool"), [(1, "brush"), (2, "object")])
+def test_a_participant_with_one_tool(
+    browser: Browser, server: LiveServer, links: dict[str, str], number: int, tool: str
+) -> None:
+    desk = Desk(blank_page(browser, server.url), links[tool], (UNDRAWN, TOUR_LEFT))
+    read(desk, "Before you begin", "I agree")
+    read(desk, "Instructions", "Begin")
+    read(desk, "practice", "Begin")
+    shown(desk)
+    press(desk, "Done")
+    read(desk, "table-top", "Begin")
+    shown(desk)
+    offered = {
+        name: desk.page.get_by_role("button", name=name, exact=True).count()
+        for name in ("Brush", "Object")
+    }
+    assert offered == {"Brush": tool == "brush", "Object": tool == "object"}
+    desk.press("1")
+    x, y, z = target(server)
+    desk.paint([[x, y, z]] if tool == "object" else [[x, y, z], [x + 0.02, y, z]])
+    # The task ends once enough is labelled.
+    dialog = desk.page.get_by_role("dialog")
+    expect(dialog.get_by_role("heading", name="Workload of these tools")).to_be_visible()
+    kinds = Counter(each["kind"] for each in replays(server, number, TOOLS))
+    assert (kinds["stroke"] > 0, kinds["click"] > 0) == (True, tool == "object")
+    desk.close()
+    assert desk.complaints == []

@@ -2,24 +2,38 @@
 
 from __future__ import annotations
 
+import asyncio
 import csv
 import io
 import json
+import threading
 import uuid
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import httpx
 import numpy as np
 import pyarrow.parquet as parquet
 import pytest
+from sqlalchemy import select
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from pointbrush.accounts.accounts import digest_of
 from pointbrush.client import Client
+from pointbrush.database.schema import metadata
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, PointbrushError
+from pointbrush.settings import Settings
 from pointbrush.web.problems import loggable
+from pointbrush.work.projects.copies import make_copy
+from pointbrush.work.studies import service
 from tests.serving import Served, add_sequence, serving, settings_in
+from tests.streaming.acting import run
+from tests.streaming.client import viewer
+from tests.waiting import PATIENCE
 
 API = "/api/v1"
 FRAMES = range(1, 3)
@@ -47,8 +61,13 @@ STUDY: dict[str, Any] = {
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    with serving_wall(settings_in(tmp_path_factory.mktemp("studies"), max_body=400_000)) as running:
+        yield running
+
+
+@contextmanager
+def serving_wall(settings: Settings) -> Iterator[Served]:
     """A server with the recording ``wall``, of which a half is "left" and the other "right"."""
-    settings = settings_in(tmp_path_factory.mktemp("studies"), max_body=400_000)
     add_sequence(settings, "wall", frames=4, points=3_000)
     with serving(settings) as running:
         with Client(running.url, running.token) as client:
@@ -104,10 +123,10 @@ class Person:
             self.logged = answer.json()["next"]
         return answer
 
-    def run(self) -> None:
-        """Go through all steps."""
+    def run(self, until: str = "done") -> dict[str, Any]:
+        """Go through all steps, or until one of a kind; return it."""
         step = self.step()
-        while step["kind"] != "done":
+        while step["kind"] != until:
             self.seen.append(step)
             answers: list[int] = []
             if step["kind"] in ("practice", "task"):
@@ -115,6 +134,7 @@ class Person:
             if step["kind"] == "questionnaire":
                 answers = [1 + n % item["steps"] for n, item in enumerate(items_of(step))]
             step = self.step(step["number"], answers=answers)
+        return step
 
     def work(self, step: dict[str, Any]) -> None:
         """Paint one label, then a wrong stroke that is undone, then the others."""
@@ -191,18 +211,21 @@ def people(server: Served, lead: Client) -> Iterator[list[Person]]:
     made = ask(lead, "POST", "/halves/participants", {"count": 2})
     assert [each["conditions"] for each in made] == [["desk", "room"], ["room", "desk"]]
     assert made[0]["link"] == f"{server.url}/study/{made[0]['code']}"
-    found = []
-    for each in made:
-        http = httpx.Client(base_url=server.url)
-        entered = http.post(f"{API}/study/{each['code']}")
-        assert (entered.status_code, entered.json()["kind"]) == (200, "consent")
-        found.append(Person(http, each["code"], lead, forgets=each["number"] == 2))
+    found = [enter(server, lead, each, forgets=each["number"] == 2) for each in made]
     pause_and_refuse(lead, found[0])
     for person in found:
         person.run()
     yield found
     for person in found:
         person.http.close()
+
+
+def enter(server: Served, lead: Client, added: dict[str, Any], **fields: Any) -> Person:
+    """Exchange a participant's code for the cookie."""
+    http = httpx.Client(base_url=server.url)
+    entered = http.post(f"{API}/study/{added['code']}")
+    assert (entered.status_code, entered.json()["kind"]) == (200, "consent")
+    return Person(http, added["code"], lead, **fields)
 
 
 def pause_and_refuse(lead: Client, person: Person) -> None:
@@ -316,7 +339,7 @@ def test_a_step_can_be_replayed_edit_by_edit(people: list[Person], server: Serve
         return answer
 
     steps = get("/studies/halves/participants/1/steps").json()
-    assert [(each["condition"], each["task"]) for each in steps] == [
+    assert [(each["condition"]["name"], each["task"]["name"]) for each in steps] == [
         ("desk", "try"), ("desk", "halves"), ("room", "try"), ("room", "halves"),
     ]  # fmt: skip
     log = get("/studies/halves/participants/1/log", format="json").json()
@@ -335,12 +358,14 @@ def test_a_step_can_be_replayed_edit_by_edit(people: list[Person], server: Serve
     assert np.array_equal(labels[2], np.load(io.BytesIO(get(path).content)))
 
 
-def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Served) -> None:
-    own, other = (person.seen[3]["sequence"] for person in people)
-    person = people[0]
+def test_a_code_reaches_its_own_copies_alone_until_the_end(
+    people: list[Person], lead: Client, server: Served
+) -> None:
+    (added,) = ask(lead, "POST", "/halves/participants", {"count": 1})
+    person = enter(server, lead, added)
+    own, other = person.run("practice")["sequence"], people[1].seen[3]["sequence"]
     listed = [each["id"] for each in person.call("GET", "/sequences?copies=true").json()]
-    assert own in listed
-    assert not {"wall", other} & {*listed}
+    assert listed == [own]
     for sequence in ("wall", other):
         assert person.call("GET", f"/sequences/{sequence}/labels").status_code == 404
         stroke_ = {"label": 1, "samples": []}
@@ -361,6 +386,72 @@ def test_a_code_reaches_its_own_copies_alone(people: list[Person], server: Serve
         assert [each.id for each in ann.sequences()] == ["wall"]
         with pytest.raises(NotFoundError):
             ann[own]
+    # The first has finished the study.
+    done = people[0]
+    assert done.call("GET", "/sequences?copies=true").json() == []
+    assert done.call("GET", f"/sequences/{done.seen[3]['sequence']}/labels").status_code == 404
+    run(lambda: over_the_socket(server, lead, (person.code, own), (done, other)))
+    person.http.close()
+
+
+async def over_the_socket(
+    server: Served, lead: Client, running: tuple[str, str], others: tuple[Person, str]
+) -> None:
+    (code, own), (done, other) = running, others
+    async with viewer(server.url, code) as socket:
+        for sequence in ("wall", other):
+            await socket.send(type="open", sequence=sequence)
+            assert (await socket.until("error"))["status"] == 404
+        assert (await socket.open(own))["id"] == own
+        await asyncio.to_thread(ask, lead, "DELETE", f"/halves/participants/{code}")
+        await socket.send(type="undo", id=str(uuid.uuid4()))
+        with pytest.raises(ConnectionClosed):
+            await socket.until("stroke_result")
+    with pytest.raises(InvalidStatus, match="401"):
+        await viewer(server.url, code).__aenter__()
+    async with viewer(server.url, done.code) as socket:
+        await socket.send(type="open", sequence=done.seen[3]["sequence"])
+        assert (await socket.until("error"))["status"] == 404
+
+
+def test_polls_do_not_wait_for_the_copy_of_another_participant(
+    people: list[Person], lead: Client, server: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = ask(lead, "POST", "/halves/participants", {"count": 2})
+    first, second = (enter(server, lead, each) for each in made)
+    copying, go_on = threading.Event(), threading.Event()
+
+    def slow_copy(*arguments: Any) -> str:
+        if not copying.is_set():
+            copying.set()
+            assert go_on.wait(PATIENCE)
+        return make_copy(*arguments)
+
+    monkeypatch.setattr(service, "make_copy", slow_copy)
+    waiting = threading.Thread(target=first.run, args=("practice",))
+    waiting.start()
+    try:
+        assert copying.wait(PATIENCE)
+        assert second.run("practice")["sequence"]
+    finally:
+        go_on.set()
+        waiting.join()
+    for person in (first, second):
+        ask(lead, "DELETE", f"/halves/participants/{person.code}")
+        person.http.close()
+
+
+def test_a_wrong_token_is_not_looked_up_as_a_code(server: Served) -> None:
+    look, asked = server.workspace.labels.database.look, list[str]()
+
+    def counted(statement: Any, values: Any) -> Any:
+        asked.append(str(values))
+        return look(statement, values)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(server.workspace.labels.database, "look", counted)
+        refused = httpx.get(f"{server.url}{API}/me", headers={"Authorization": "Bearer wrong"})
+    assert (refused.status_code, len(asked)) == (401, 1)
 
 
 def test_the_log_of_the_server_has_no_code(people: list[Person]) -> None:
@@ -427,36 +518,55 @@ def test_a_study_is_a_text(people: list[Person], lead: Client, server: Served) -
     ask(lead, "DELETE", "/two-halves")
 
 
-def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
+def traces(server: Served, secrets: list[str]) -> set[str]:
+    """Return the secrets that the workspace's files, their names or the database contain."""
+    folder = server.workspace.settings.workspace
+    files = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    contents = [*files.values(), *(str(path).encode() for path in files)]
+    with server.workspace.labels.database.read() as connection:
+        for table in metadata.sorted_tables:
+            contents += [repr(tuple(row)).encode() for row in connection.execute(select(table))]
+    return {text for text in secrets if any(text.encode() in each for each in contents)}
+
+
+def delete(server: Served, lead: Client, person: Person) -> None:
+    """Delete a participant, and search the workspace for what is left of them."""
     workspace = server.workspace
-    session = workspace.labels.studies.get("halves", people[1].code)
+    session = workspace.labels.studies.get("halves", person.code)
     copies = workspace.labels.studies.copies(session)
     history = [edit for copy in copies.values() for edit in workspace.labels.edits(copy)]
     edits = [edit.id for edit in history if edit.kind != "import"]
     identities = [workspace.recording(copy).manifest.identity for copy in copies.values()]
-    secrets = [people[1].code, session.account, *edits, *identities]
-    folder = workspace.settings.workspace
+    secrets = [person.code, session.account, digest_of(person.code), *edits, *identities]
     for identity in identities:  # as object clicks leave them
-        (folder / "objects" / identity).mkdir(parents=True)
-        (folder / "objects" / identity / "000000.npz").touch()
+        folder = workspace.settings.workspace / "objects" / identity
+        folder.mkdir(parents=True)
+        (folder / "000000.npz").touch()
+    # Only the digest of the code is stored.
+    assert traces(server, secrets) == {*secrets} - {person.code}
+    assert edits
+    ask(lead, "DELETE", f"/halves/participants/{person.code}")
+    assert traces(server, secrets) == set()
+    assert person.call("GET", f"/study/{person.code}/step").status_code == 401
+    assert person.call("GET", "/sequences").status_code == 401
 
-    def found() -> set[str]:
-        files = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-        names = "\n".join(map(str, files)).encode()
-        return {
-            text for text in secrets
-            if any(text.encode() in content for content in (*files.values(), names))
-        }  # fmt: skip
 
-    assert {session.account, *identities} < found()
-    assert people[1].code not in found()  # only its digest is stored
-    ask(lead, "DELETE", f"/halves/participants/{people[1].code}")
-    assert found() == set()
-    assert people[1].call("GET", f"/study/{people[1].code}/step").status_code == 401
-    assert people[1].call("GET", "/sequences").status_code == 401
+def test_deletion_leaves_no_trace(people: list[Person], lead: Client, server: Served) -> None:
+    delete(server, lead, people[1])
     assert [each["number"] for each in ask(lead, "GET", "/halves/participants")] == [1]
     assert ask(lead, "POST", "/halves/participants/1/replay")["equal"]
     ask(lead, "DELETE", "/halves")
     assert ask(lead, "GET") == []
     assert [each.id for each in lead.sequences()] == ["wall"]
-    assert not any((folder / "studies").iterdir())
+    assert not any((server.workspace.settings.workspace / "studies").iterdir())
+
+
+def test_deletion_leaves_no_trace_in_postgresql(postgres_url: str, tmp_path: Path) -> None:
+    settings = settings_in(tmp_path, database=postgres_url)
+    with serving_wall(settings) as server, Client(server.url, server.token) as lead:
+        ask(lead, "POST", body={"text": json.dumps(STUDY), "id": "halves"})
+        (added,) = ask(lead, "POST", "/halves/participants", {"count": 1})
+        person = enter(server, lead, added)
+        person.work(person.run("practice"))
+        delete(server, lead, person)
+        person.http.close()

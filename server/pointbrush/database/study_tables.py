@@ -26,7 +26,7 @@ study_participants = Table(
     Column("conditions", Text, nullable=False),  # JSON list of names, in order
     Column("finished", Text, nullable=False),  # JSON list of [began, ended, paused_s, answers]
     Column("copies", Text, nullable=False),  # JSON object: number of a sequence by its step
-    Column("began", Double),  # of the current step, seconds since the epoch; NULL: not begun
+    Column("began", Double),  # of the current step, seconds since the epoch; NULL: none runs
     Column("paused", Double),  # time at which the running pause began, or NULL
     Column("paused_s", Double, nullable=False),  # seconds of earlier pauses of the current step
     Column("records", Integer, nullable=False),  # number of the next record of the log

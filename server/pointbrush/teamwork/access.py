@@ -210,7 +210,10 @@ class Access:
                     if row.project in roles or row.project == REMOVED:
                         projects[row.number] = row.project
                 copies = _copies(connection)
-                given = select(study_participants.c.account, study_participants.c.copies)
+                # A finished session reaches nothing.
+                given = select(study_participants.c.account, study_participants.c.copies).where(
+                    study_participants.c.began.is_not(None)
+                )
                 participants = {
                     number: row.account
                     for row in connection.execute(given)

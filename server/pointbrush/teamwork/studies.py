@@ -21,6 +21,8 @@ from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS, ParticipantS
 
 Record = dict[str, Any]
 """A record of a log as JSON."""
+CODE = "study-"
+"""Beginning of every code, which distinguishes it from tokens."""
 _COLUMNS = study_participants.c
 _OF_DIGEST = Statement(select(_COLUMNS.account).where(_COLUMNS.digest == bindparam("digest")))
 
@@ -78,7 +80,9 @@ class Studies:
         self._database = database
 
     def account_of(self, code: str) -> str | None:
-        """Return the account that a code opens, or None."""
+        """Return the account that a code opens, or None; other secrets cost no query."""
+        if not code.startswith(CODE):
+            return None
         found = self._database.look(_OF_DIGEST, {"digest": digest_of(code)})
         return None if found is None else str(found.account)
 
@@ -87,17 +91,19 @@ class Studies:
 
         ``conditions``: function from the participant's number.  Raises ConflictError.
         """
-        code, account = secrets.token_urlsafe(24), f"{PARTICIPANT}{MARK}{secrets.token_hex(16)}"
-        row: Record = {"account": account, "study": study, "digest": digest_of(code)}
-        row |= {"finished": "[]", "copies": "{}", "paused_s": 0.0, "records": 0}
+        code = f"{CODE}{secrets.token_urlsafe(24)}"
+        account = f"{PARTICIPANT}{MARK}{secrets.token_hex(16)}"
         query = select(func.max(_COLUMNS.number), func.count()).where(_COLUMNS.study == study)
         with self._database.write() as connection:
             highest, count = connection.execute(query).one()
             if count >= MOST_PARTICIPANTS:
                 raise ConflictError(f"participants: expected at most {MOST_PARTICIPANTS:,}")
             number = (highest or 0) + 1
-            row |= {"number": number, "conditions": json.dumps([*conditions(number)])}
-            connection.execute(insert(study_participants), row)
+            row = insert(study_participants).values(
+                account=account, study=study, number=number, digest=digest_of(code), finished="[]",
+                conditions=json.dumps(conditions(number)), copies="{}", paused_s=0.0, records=0,
+            )  # fmt: skip
+            connection.execute(row)
             return _session(connection, account), code
 
     def all(self, study: str) -> list[Session]:
@@ -121,15 +127,20 @@ class Studies:
 
     def begin(self, account: str) -> tuple[Session, float]:
         """Begin the session unless it has begun; return it and the time."""
+        with self._database.read() as connection:
+            session, now = _session(connection, account), self._database.now(connection)
+        if session.began is not None or session.finished:
+            return session, now
         with self._database.write() as connection:
-            now = self._database.now(connection)
             _change(connection, account, began=func.coalesce(_COLUMNS.began, now))
             return _session(connection, account), now
 
-    def finish(self, account: str, step: int, answers: Sequence[int]) -> None:
+    def finish(
+        self, account: str, step: int, answers: Sequence[int], *, last: bool = False
+    ) -> None:
         """End the current step and begin the next one; no effect if it has ended.
 
-        Raises ConflictError for a later step, and while the session is paused.
+        ``last``: the session ends.  Raises ConflictError for a later step, and while it is paused.
         """
         with self._database.write() as connection:
             session, now = _session(connection, account, lock=True), self._database.now(connection)
@@ -141,7 +152,8 @@ class Studies:
                 raise ConflictError("step: the experimenter has paused the session")
             ended = FinishedStep(session.began or now, now, session.paused_s, [*answers])
             done = json.dumps([*session.finished, ended])
-            _change(connection, account, finished=done, began=now, paused_s=0.0)
+            began = None if last else now
+            _change(connection, account, finished=done, began=began, paused_s=0.0)
 
     def pause(self, account: str, *, paused: bool) -> None:
         """Pause a session, or continue it; a repeated call has no effect."""

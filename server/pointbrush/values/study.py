@@ -182,8 +182,8 @@ class StudyInfo(Value):
 
 
 @dataclass(frozen=True, slots=True)
-class Participant(Value):
-    """A participant, without the code, of which only a digest is stored."""
+class Participant(Complete):
+    """A participant and the current step."""
 
     number: int
     """Number in the study, from 1."""
@@ -205,15 +205,9 @@ class Participant(Value):
     """Mean IoU of the labels of the current task; null: no task."""
     records: int
     """Number of records in the log."""
-
-
-@dataclass(frozen=True, slots=True)
-class NewParticipant(Participant):
-    """A participant that was added, with the code that opens the study."""
-
-    code: str
-    """Secret code, which is shown once."""
-    link: str
+    code: str = ""
+    """Secret code, only in the answer that adds the participant: only its digest is stored."""
+    link: str = ""
     """Address to open, with the code."""
 
 
@@ -234,56 +228,42 @@ class ParticipantPatch(Body):
 
 
 @dataclass(frozen=True, slots=True)
-class StudyStep(Value):
-    """The current step of a participant."""
+class StudyStep(Complete):
+    """A step of a participant."""
 
-    title: str
-    """Title of the study."""
-    number: int
-    """Number of the step, from 0."""
-    count: int
-    """Number of steps."""
     kind: StepKind
     """Kind of the step: `consent` to agree to; `instructions` of a condition or task; `practice`, a
     task that is not measured; a `task`; a `questionnaire`; `pause` by the experimenter; `done`."""
-    text: str
+    text: str = ""
     """Text to show: of the consent, the condition or the task."""
-    condition: Condition | None
+    condition: Condition | None = None
     """Condition of the step; null: none."""
-    task: StudyTask | None
+    task: StudyTask | None = None
     """Task of the step; null: none."""
-    sequence: str | None
-    """Id of the participant's copy of the recording; null: no task."""
-    start: int
-    """First frame of the task."""
-    stop: int
-    """Frame after the last one of the task."""
-    labels: tuple[int, ...]
-    """Ids of the labels to reach, in the palette of ``sequence``."""
-    time_left_s: float | None
-    """Seconds until the time limit; null: none."""
-    elapsed_s: float
-    """Seconds since the step began, without pauses; records count from there."""
-    reached: bool
-    """The task may end: its time limit or its ``target_iou`` is reached."""
-    questionnaire: Questionnaire | None
+    questionnaire: Questionnaire | None = None
     """Questionnaire of the step; null: none."""
-    records: int
-    """Number of the next record of the log, from 0."""
-
-
-@dataclass(frozen=True, slots=True)
-class SessionStep(Value):
-    """A step of a participant that has a recording, for its replay."""
-
-    number: int
+    title: str = ""
+    """Title of the study."""
+    number: int = 0
     """Number of the step, from 0."""
-    condition: str
-    """Condition of the step."""
-    task: str
-    """Task of the step."""
-    sequence: str
-    """Id of the participant's copy of the recording."""
+    count: int = 0
+    """Number of steps."""
+    sequence: str | None = None
+    """Id of the participant's copy of the recording; null: no task."""
+    start: int = 0
+    """First frame of the task."""
+    stop: int = 0
+    """Frame after the last one of the task."""
+    labels: tuple[int, ...] = ()
+    """Ids of the labels to reach, in the palette of ``sequence``."""
+    time_left_s: float | None = None
+    """Seconds until the time limit; null: none."""
+    elapsed_s: float = 0.0
+    """Seconds since the step began, without pauses; records count from there."""
+    reached: bool = False
+    """The task may end: its time limit or its ``target_iou`` is reached."""
+    records: int = 0
+    """Number of the next record of the log, from 0."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -937,34 +937,6 @@ export interface Moving {
   readonly T_shown_frame: readonly number[];
 }
 
-/** A participant that was added, with the code that opens the study. */
-export interface NewParticipant {
-  /** Number in the study, from 1. */
-  readonly number: number;
-  /** Names of the participant's conditions in order. */
-  readonly conditions: readonly string[];
-  /** `waiting` (has not begun), `running`, `paused` by the experimenter, or `done`. */
-  readonly state: 'waiting' | 'running' | 'paused' | 'done';
-  /** Number of the current step, from 0. */
-  readonly step: number;
-  /** Number of steps. */
-  readonly count: number;
-  /** Kind of the current step. */
-  readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
-  /** Task of the current step; null: none. */
-  readonly task: string | null;
-  /** Id of the copy that the current step shows, to follow the session; null: none. */
-  readonly sequence: string | null;
-  /** Mean IoU of the labels of the current task; null: no task. */
-  readonly iou: number | null;
-  /** Number of records in the log. */
-  readonly records: number;
-  /** Secret code, which is shown once. */
-  readonly code: string;
-  /** Address to open, with the code. */
-  readonly link: string;
-}
-
 /** Tasks to create. */
 export interface NewTasks {
   /** Ids of recordings; null: all of the project. */
@@ -1035,7 +1007,7 @@ export interface PaletteLabel {
   readonly color: string | null;
 }
 
-/** A participant, without the code, of which only a digest is stored. */
+/** A participant and the current step. */
 export interface Participant {
   /** Number in the study, from 1. */
   readonly number: number;
@@ -1057,6 +1029,10 @@ export interface Participant {
   readonly iou: number | null;
   /** Number of records in the log. */
   readonly records: number;
+  /** Secret code, only in the answer that adds the participant: only its digest is stored. */
+  readonly code: string;
+  /** Address to open, with the code. */
+  readonly link: string;
 }
 
 /** One line of the history. */
@@ -1315,18 +1291,6 @@ export interface Sensor {
   readonly correction: readonly number[];
 }
 
-/** A step of a participant that has a recording, for its replay. */
-export interface SessionStep {
-  /** Number of the step, from 0. */
-  readonly number: number;
-  /** Condition of the step. */
-  readonly condition: string;
-  /** Task of the step. */
-  readonly task: string;
-  /** Id of the participant's copy of the recording. */
-  readonly sequence: string;
-}
-
 /** A version of a project's labels. */
 export interface Snapshot {
   /** Name in URLs. */
@@ -1431,14 +1395,8 @@ export interface StudyInfo {
   readonly done: number;
 }
 
-/** The current step of a participant. */
+/** A step of a participant. */
 export interface StudyStep {
-  /** Title of the study. */
-  readonly title: string;
-  /** Number of the step, from 0. */
-  readonly number: number;
-  /** Number of steps. */
-  readonly count: number;
   /** Kind of the step: `consent` to agree to; `instructions` of a condition or task; `practice`, a task that is not measured; a `task`; a `questionnaire`; `pause` by the experimenter; `done`. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Text to show: of the consent, the condition or the task. */
@@ -1447,6 +1405,14 @@ export interface StudyStep {
   readonly condition: Condition | null;
   /** Task of the step; null: none. */
   readonly task: StudyTask | null;
+  /** Questionnaire of the step; null: none. */
+  readonly questionnaire: Questionnaire | null;
+  /** Title of the study. */
+  readonly title: string;
+  /** Number of the step, from 0. */
+  readonly number: number;
+  /** Number of steps. */
+  readonly count: number;
   /** Id of the participant's copy of the recording; null: no task. */
   readonly sequence: string | null;
   /** First frame of the task. */
@@ -1461,8 +1427,6 @@ export interface StudyStep {
   readonly elapsed_s: number;
   /** The task may end: its time limit or its ``target_iou`` is reached. */
   readonly reached: boolean;
-  /** Questionnaire of the step; null: none. */
-  readonly questionnaire: Questionnaire | null;
   /** Number of the next record of the log, from 0. */
   readonly records: number;
 }

@@ -1,13 +1,42 @@
-/** Steps of a participant that are read and answered at the desk, in a dialog over the page. */
+/** Steps of a participant at the desk: cards to read and to answer, and a task in the tool bar. */
 import { apiUrl } from '../net/rest';
 import { Button } from '../panels/parts/controls';
 import { useModal } from '../panels/parts/modal';
-import type { StudyStep } from '../protocol/values';
+import type { QuestionItem, Questionnaire, StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { state } from '../store/state';
-import { NextButton } from './bar';
-import { Questions } from './questions';
-import { activeStep, isTask, isWorn, PAUSED } from './step';
+import { finish } from './session';
+import { activeStep, finishing, isTask, isWorn, timeLeft, wordsOf } from './step';
+
+/** The task in the tool bar: its name, the time left, and the button that ends it. */
+export function StudyBar() {
+  const step = activeStep.value;
+  if (!step?.task) return null;
+  const [title, text, button] = wordsOf(step);
+  return (
+    <div class="line" role="group" aria-label="Task">
+      {step.kind === 'practice' && <span class="pill">Practice</span>}
+      <strong class="title" data-tip={text}>
+        {title}
+      </strong>
+      <span class="soft small number">
+        Step {step.number + 1} of {step.count}
+      </span>
+      <span class="number" role="timer">
+        {timeLeft()}
+      </span>
+      {isTask(step) && <NextButton label={button} />}
+    </div>
+  );
+}
+
+/** The button that finishes the step; none without words. */
+function NextButton({ label }: { label: string }) {
+  const next = (): void => void finish([]);
+  return label ? (
+    <Button label={label} kind="primary" disabled={finishing.value} onClick={next} />
+  ) : null;
+}
 
 export function StudyCards() {
   const step = activeStep.value;
@@ -34,17 +63,9 @@ function Card({ step }: { step: StudyStep }) {
   );
 }
 
-/** Return heading, text and the button's words of a step that is read. */
-function wordsOf({ kind, task, text }: StudyStep): [title: string, text: string, next: string] {
-  if (kind === 'consent') return ['Before you begin', text, 'I agree'];
-  if (kind === 'pause') return ['Paused', PAUSED, ''];
-  if (kind === 'done') return ['Thank you', 'The study is finished. You can close this page.', ''];
-  return [task?.name ?? 'Instructions', text, 'Begin'];
-}
-
 function Reading({ step }: { step: StudyStep }) {
   const { task, sequence, start } = step;
-  const [title, text, next] = wordsOf(step);
+  const [title, text, button] = wordsOf(step);
   const worn = isWorn(step);
   const thumbnail = sequence && apiUrl(`sequences/${sequence}/frames/${start}/thumbnail`);
   const picture = task?.picture || thumbnail;
@@ -54,10 +75,8 @@ function Reading({ step }: { step: StudyStep }) {
       {text.split(/\n\s*\n/).map((each) => (
         <p key={each}>{each}</p>
       ))}
-      {next && picture && <img src={picture} alt="" style={{ maxWidth: '100%' }} />}
-      <footer class="form-end">
-        {worn ? <EnterButton /> : next && <NextButton label={next} />}
-      </footer>
+      {button && picture && <img src={picture} alt="" style={{ maxWidth: '100%' }} />}
+      <footer class="form-end">{worn ? <EnterButton /> : <NextButton label={button} />}</footer>
     </>
   );
 }
@@ -70,5 +89,43 @@ function EnterButton() {
       <Button icon="headset" label="Enter VR" kind="primary" disabled={!supported || session === 'starting'}
         onClick={() => void actions.page.enterVR()} />
     </>
+  ); // prettier-ignore
+}
+
+/** A form with a scale of radio buttons for each item. */
+function Questions({ of: { name, title, items } }: { of: Questionnaire }) {
+  const submit = (event: SubmitEvent): void => {
+    event.preventDefault();
+    const answers = new FormData(event.currentTarget as HTMLFormElement);
+    void finish(items.map((_, i) => Number(answers.get(String(i)))));
+  };
+  return (
+    <form class="stack" onSubmit={submit}>
+      <h2>{title || name}</h2>
+      {items.map((item, i) => (
+        <Scale key={i} name={String(i)} of={item} />
+      ))}
+      <footer class="form-end">
+        <Button submit label="Continue" kind="primary" disabled={finishing.value} />
+      </footer>
+    </form>
+  );
+}
+
+/** The browser does not submit the form before each item is answered. */
+function Scale({ name, of: { text, low, high, steps } }: { name: string; of: QuestionItem }) {
+  return (
+    <div class="card stack" role="radiogroup" aria-label={`${text} 1: ${low}, ${steps}: ${high}`}>
+      <strong>{text}</strong>
+      <div class="group spread">
+        {Array.from({ length: steps }, (_, i) => i + 1).map((value) => (
+          <input key={value} type="radio" name={name} value={value} required aria-label={String(value)} />
+        ))}
+      </div>
+      <div class="line spread soft">
+        <span>{low}</span>
+        <span>{high}</span>
+      </div>
+    </div>
   ); // prettier-ignore
 }

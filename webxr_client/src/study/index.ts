@@ -5,8 +5,7 @@ import type { Engine } from '../engine/engine';
 import { state } from '../store/state';
 import { watch } from '../store/watch';
 import type { Headset } from '../xr/headset';
-import { StudyBar } from './bar';
-import { StudyCards } from './cards';
+import { StudyBar, StudyCards } from './cards';
 import { StudyPanel } from './panel';
 import { startSession } from './session';
 

@@ -5,11 +5,12 @@ import { useEffect, useState } from 'preact/hooks';
 import { percent, plural } from '../common/format';
 import type { Engine } from '../engine/engine';
 import { attempt } from '../engine/recordings/recordings';
+import { saveBlob } from '../net/files';
 import { api, type ApiError, apiUrl } from '../net/rest';
-import { Button } from '../panels/parts/controls';
+import { Button, SureButton } from '../panels/parts/controls';
 import { Field, Table } from '../panels/parts/fields';
 import { useModal } from '../panels/parts/modal';
-import type { NewParticipant, Participant, StudyInfo } from '../protocol/values';
+import type { Participant, StudyInfo } from '../protocol/values';
 import { actions } from '../store/actions';
 import { replay } from './replay-bar';
 
@@ -23,7 +24,7 @@ const studies = signal<readonly StudyInfo[]>([]);
 const chosen = signal<string | null>(null);
 const participants = signal<readonly Participant[]>([]);
 /** Participants that were added here, with the links that the server shows once. */
-const added = signal<readonly NewParticipant[]>([]);
+const added = signal<readonly Participant[]>([]);
 const dialogPlace = document.createElement('div');
 let engine: Engine;
 
@@ -81,10 +82,14 @@ function Studies() {
 }
 
 function List() {
-  const create = (template: string): Promise<void> =>
-    act('The study was not created', async () =>
+  const [creating, setCreating] = useState('');
+  const create = async (template: string): Promise<void> => {
+    setCreating(template);
+    await act('The study was not created', async () =>
       choose((await api<StudyInfo>('POST', 'studies', { template })).id),
     );
+    setCreating('');
+  };
   return (
     <>
       <p class="soft">
@@ -102,7 +107,8 @@ function List() {
       </ul>
       <div class="line">
         {Object.entries(TEMPLATES).map(([template, title]) => (
-          <Button key={template} icon="plus" label={`New: ${title}`} kind="outlined" onClick={() => void create(template)} />
+          <Button key={template} icon="plus" label={creating === template ? 'Generating recordings…' : `New: ${title}`}
+            kind="outlined" disabled={creating !== ''} onClick={() => void create(template)} />
         ))}
       </div>
     </>
@@ -134,7 +140,7 @@ function Participants() {
     event.preventDefault();
     const count = Number(new FormData(event.currentTarget as HTMLFormElement).get('count'));
     void act('No participant was added', async () => {
-      const found = await api<NewParticipant[]>('POST', place('/participants'), { count });
+      const found = await api<Participant[]>('POST', place('/participants'), { count });
       added.value = [...added.peek(), ...found];
     });
   };
@@ -146,13 +152,22 @@ function Participants() {
           min={1} max={100} required defaultValue={2} />
         <Button submit label="Add participants" kind="primary" />
       </form>
-      {added.value.length > 0 && (
-        <div class="note stack">
-          <p>Copy these links now: they are shown only once.</p>
-          {added.value.map(({ number, link }) => <code key={number}>{number}: {link}</code>)}
-        </div>
-      )}
+      {added.value.length > 0 && <Links of={added.value} />}
     </>
+  ); // prettier-ignore
+}
+
+function Links({ of }: { of: readonly Participant[] }) {
+  const lines = of.map(({ number, link }) => `${number},${link}\n`);
+  const save = (): void => saveBlob(`${chosen.peek()}-links.csv`, new Blob(lines));
+  return (
+    <div class="note stack">
+      <div class="line spread">
+        Save these links now: they are shown only once.
+        <Button icon="export" label="Save the links" kind="outlined" small onClick={save} />
+      </div>
+      {of.map(({ number, link }) => <code key={number}>{number}: {link}</code>)}
+    </div>
   ); // prettier-ignore
 }
 
@@ -180,7 +195,7 @@ function rowOf(one: Participant) {
         onClick={() => leaveTo(() => actions.recordings.openSequence(sequence))} />}
       {records > 0 && <Button icon="history" tip={`Replay participant ${number}`} small
         onClick={() => leaveTo(() => replay(engine, number, path))} />}
-      <Button icon="trash" tip={`Delete participant ${number} with all data`} small onClick={remove} />
+      <SureButton label="Delete" tip={`Delete participant ${number} with all data`} onClick={remove} />
     </div>,
   ]; // prettier-ignore
 }
@@ -200,11 +215,11 @@ function File({ of }: { of: StudyInfo }) {
     <>
       <h3>File</h3>
       {fixed && <p class="soft">A study with participants cannot be changed.</p>}
-      <textarea class="field" aria-label="File of the study" spellcheck={false} style={{ height: '40vh' }}
+      <textarea class="field" aria-label="File of the study" spellcheck={false} style={{ height: '40vh', fontFamily: 'var(--font-code)' }}
         value={text} readOnly={fixed} onInput={({ currentTarget }) => setText(currentTarget.value)} />
       {refusal && <p class="note bad" role="alert">{refusal}</p>}
       <footer class="line spread">
-        <Button label="Delete the study" kind="danger" onClick={() =>
+        <SureButton label="Delete the study and all data" tip="Delete the study" onClick={() =>
           void act('The study was not deleted', () => api('DELETE', place()))} />
         <Button label="Save" kind="primary" disabled={fixed || text === of.text} onClick={() => void save()} />
       </footer>

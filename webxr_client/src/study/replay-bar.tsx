@@ -6,7 +6,7 @@ import { attempt } from '../engine/recordings/recordings';
 import { api } from '../net/rest';
 import { Button, Progress, Slider } from '../panels/parts/controls';
 import { Choice } from '../panels/parts/fields';
-import type { LogRecord, SessionStep } from '../protocol/values';
+import type { LogRecord, StudyStep } from '../protocol/values';
 import { actions } from '../store/actions';
 import { limits } from '../store/limits';
 import { notify } from '../store/state';
@@ -15,7 +15,7 @@ import { duration, plays, Replay, speed, time } from './replay';
 const SPEEDS = ['0.5', '1', '2', '4', '8', '16'].map((each) => [each, `${each}×`] as const);
 
 /** Steps of one participant, with their records. */
-let steps: readonly SessionStep[] = [];
+let steps: readonly StudyStep[] = [];
 let log: readonly LogRecord[] = [];
 let running: Replay | null = null;
 const step = signal(0);
@@ -25,7 +25,7 @@ const saving = signal<number | null>(null);
 /** Open the log of a participant at its first task; `path`: of the participant. */
 export function replay(engine: Engine, participant: number, path: string): Promise<void> {
   return attempt('The log did not load', async () => {
-    const found = api<SessionStep[]>('GET', `${path}/steps`);
+    const found = api<StudyStep[]>('GET', `${path}/steps`);
     log = await api<LogRecord[]>('GET', `${path}/log?format=json`);
     steps = (await found).filter(({ number }) => log.some((record) => record.step === number));
     const name = `Participant ${participant}`;
@@ -45,7 +45,7 @@ async function show(number: number): Promise<void> {
   step.value = number;
   const { sequence } = steps.find((each) => each.number === number)!;
   const records = log.filter((record) => record.step === number);
-  await attempt('The step did not load', () => running!.open(sequence, records));
+  await attempt('The step did not load', () => running!.open(sequence!, records));
 }
 
 function close(): void {
@@ -67,7 +67,7 @@ function ReplayBar() {
   return (
     <div class="line" role="group" aria-label="Replay">
       <Choice label="Step" value={String(step.value)}
-        choices={steps.map(({ number, condition, task }) => [String(number), `${condition}: ${task}`])}
+        choices={steps.map(({ number, condition, task }) => [String(number), `${condition?.name}: ${task?.name}`])}
         onChange={(number) => void show(Number(number))} />
       <Button icon={plays.value ? 'pause' : 'play'} tip={plays.value ? 'Pause the replay' : 'Play the replay'} onClick={play} />
       <Slider label="Time" before="" min={0} max={Math.max(1, duration.value)} value={time.value}

@@ -30,7 +30,6 @@ let stopObserving = (): void => undefined;
 /** Time of the newest answer, and of the step's beginning: `performance.now()`. */
 let received = 0;
 let began = 0;
-let newest: StudyStep | null = null;
 
 /** Lead the participant through the study; `bar`: the tool bar during its steps. */
 export function startSession(of: Engine, worn: Headset, bar: Limits['Bar']): void {
@@ -42,19 +41,19 @@ export function startSession(of: Engine, worn: Headset, bar: Limits['Bar']): voi
 }
 
 function refresh(): Promise<void> {
-  if (finishing.peek()) return Promise.resolve();
-  return attempt('The study cannot go on', () => update());
+  return finishing.peek() ? Promise.resolve() : attempt('The study cannot go on', update);
 }
 
 /** Send the log and fetch the current step; a server that does not answer is asked again. */
 async function update(): Promise<void> {
-  const before = newest;
+  const before = activeStep.peek();
   try {
     await log?.flush();
     const next = await (before ? api<StudyStep>('GET', `${ROOT}/step`) : enter());
     // A step that was finished meanwhile is over.
-    if (newest === before) take(next);
-    if (newest?.reached && isTask(newest)) void finish([]);
+    if (activeStep.peek() !== before) return;
+    take(next);
+    if (next.reached && isTask(next)) void finish([]);
   } catch (error) {
     if (!(error instanceof ApiError && error.status === 0)) throw error;
   }
@@ -63,6 +62,9 @@ async function update(): Promise<void> {
 /** Exchange the code for the page's cookie, with which the socket opens. */
 async function enter(): Promise<StudyStep> {
   const first = await api<StudyStep>('POST', ROOT);
+  log = new Log(first.records, `pointbrush.${ROOT}`, (records) =>
+    api<LogPosition>('POST', `${ROOT}/log`, records),
+  );
   engine.link.connect();
   return first;
 }
@@ -70,20 +72,17 @@ async function enter(): Promise<StudyStep> {
 function take(next: StudyStep): void {
   const before = activeStep.peek();
   received = performance.now();
-  newest = next;
+  activeStep.value = next;
   count();
-  log ??= new Log(next.records, `pointbrush.${ROOT}`, (records) =>
-    api<LogPosition>('POST', `${ROOT}/log`, records),
-  );
   if (before?.number === next.number && before.kind === next.kind) return;
   stopObserving();
   began = received - 1000 * next.elapsed_s;
-  activeStep.value = next;
   begin(next);
 }
 
 function count(): void {
-  const left = newest?.time_left_s ?? null;
+  const step = activeStep.peek();
+  const left = step && isTask(step) ? step.time_left_s : null;
   const seconds = left === null ? null : left - (performance.now() - received) / 1000;
   secondsLeft.value = seconds === null ? null : Math.max(0, Math.ceil(seconds));
   if (seconds !== null && seconds <= 0) void finish([]);
@@ -94,8 +93,9 @@ function begin(next: StudyStep): void {
   const tools = isTask(next) ? (condition?.tools ?? []) : null;
   limits.value = { tools, hints: condition?.hints ?? true, Bar };
   actions.tools.setTool('navigate');
-  if (condition) change({ hands: condition.input !== 'controller', guide: false });
+  if (condition) change({ hands: condition.input === 'hands', guide: false });
   if (sequence) void show(next, sequence);
+  if (next.kind === 'done') actions.recordings.closeSequence();
 }
 
 /** Open the recording of a task; the observer begins with its first picture. */
@@ -106,7 +106,8 @@ async function show(task: StudyStep, sequence: string): Promise<void> {
     return isOpen && state.shown.value.total > 0;
   });
   // Another step may have begun meanwhile.
-  if (activeStep.peek() === task && isTask(task)) prepare(task);
+  const { number, kind } = activeStep.peek() ?? task;
+  if (number === task.number && kind === task.kind && isTask(task)) prepare(task);
 }
 
 function prepare(task: StudyStep): void {

@@ -8,9 +8,6 @@ export const secondsLeft = signal<number | null>(null);
 /** The step is being finished. */
 export const finishing = signal(false);
 
-/** Words of a paused step. */
-export const PAUSED = 'The study continues in a moment. Your work is kept.';
-
 /** Return whether labels are painted in a step. */
 export function isTask({ kind }: StudyStep): boolean {
   return kind === 'practice' || kind === 'task';
@@ -22,12 +19,21 @@ export function isWorn(step: StudyStep): boolean {
   return step.condition?.device === 'headset' && (isTask(step) || reads);
 }
 
-/** Return whether the participant ends a task by a button. */
-export function canFinish(step: StudyStep): boolean {
-  return isTask(step) && (step.kind === 'practice' || step.task?.stop === 'button');
+/** Return title and text of a step, and the words of the button that ends it; empty: no button. */
+export function wordsOf(step: StudyStep): [title: string, text: string, button: string] {
+  const { kind, task, text } = step;
+  if (kind === 'consent') return ['Before you begin', text, 'I agree'];
+  if (kind === 'pause')
+    return ['Paused', 'The study continues in a moment. Your work is kept.', ''];
+  if (kind === 'done') return ['Thank you', 'The study is finished. You can close this page.', ''];
+  const title = task?.name ?? 'Instructions';
+  if (kind === 'instructions') return [title, text, 'Begin'];
+  return [title, text, kind === 'practice' || task?.stop === 'button' ? 'Done' : ''];
 }
 
-/** 83 → "1:23". */
-export function minutes(seconds: number): string {
-  return `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, '0')}`;
+/** 83 → "1:23 left"; empty without a time limit. */
+export function timeLeft(): string {
+  const seconds = secondsLeft.value;
+  if (seconds === null) return '';
+  return `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, '0')} left`;
 }

@@ -10,7 +10,7 @@ import {
   revokeAccess,
 } from '../engine/people/accounts';
 import { NewLink } from '../panels/parts/account-hint';
-import { Button } from '../panels/parts/controls';
+import { Button, SureButton } from '../panels/parts/controls';
 import { RoleSelect } from './role-select';
 
 export function WorkspaceAccounts() {
@@ -49,7 +49,6 @@ export function WorkspaceAccounts() {
 }
 
 function Entry({ of: { account, role, tokens } }: { of: Account }) {
-  const [sure, setSure] = useState(false);
   const valid = tokens.filter((token) => token.valid).length;
   return (
     <li>
@@ -61,25 +60,12 @@ function Entry({ of: { account, role, tokens } }: { of: Account }) {
         small
         onClick={() => void addToken(account)}
       />
-      {sure ? (
-        <Button
-          label="Revoke"
-          kind="outlined"
-          small
-          onClick={() => {
-            setSure(false);
-            void revokeAccess(account);
-          }}
-        />
-      ) : (
-        <Button
-          icon="trash"
-          tip={`Revoke all tokens of ${account}`}
-          small
-          disabled={!role}
-          onClick={() => setSure(true)}
-        />
-      )}
+      <SureButton
+        label="Revoke"
+        tip={`Revoke all tokens of ${account}`}
+        disabled={!role}
+        onClick={() => void revokeAccess(account)}
+      />
     </li>
   );
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Path, Query, Request, Response
@@ -10,13 +11,11 @@ from pointbrush.values.study import (
     FileKind,
     LogPosition,
     LogRecords,
-    NewParticipant,
     NewParticipants,
     NewStudy,
     Participant,
     ParticipantPatch,
     Replay,
-    SessionStep,
     StepDone,
     StudyInfo,
     StudyStep,
@@ -88,13 +87,11 @@ def list_participants(s: StudyId, workspace: Ws) -> list[Participant]:
 @router.post("/studies/{s}/participants", status_code=201, **needs("manager", 404, 409, 413))
 def add_participants(
     s: StudyId, body: NewParticipants, request: Request, workspace: Ws
-) -> list[NewParticipant]:
+) -> list[Participant]:
     """Add participants; their codes are in this answer only."""
     page = str(request.base_url).rstrip("/")
-    return [
-        NewParticipant.of(each, code=code, link=f"{page}/study/{code}")
-        for each, code in workspace.studies.add(s, body.count)
-    ]
+    added = workspace.studies.add(s, body.count)
+    return [replace(each, link=f"{page}/study/{each.code}") for each in added]
 
 
 @router.patch("/studies/{s}/participants/{n}", **needs("manager", 404, 413))
@@ -142,8 +139,8 @@ def get_log(s: StudyId, n: Key, workspace: Ws, kind: Table = "csv") -> Response:
 
 
 @router.get("/studies/{s}/participants/{n}/steps", **needs("manager", 404))
-def list_steps(s: StudyId, n: Key, workspace: Ws) -> list[SessionStep]:
-    """List the steps of a participant that have a recording, by number."""
+def list_steps(s: StudyId, n: Key, workspace: Ws) -> list[StudyStep]:
+    """List the steps of a participant that have labels, by number."""
     return workspace.studies.steps(s, n)
 
 

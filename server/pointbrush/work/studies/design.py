@@ -3,36 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.teamwork.studies import Session
-from pointbrush.values.study import (
-    Condition,
-    QuestionItem,
-    Questionnaire,
-    StepKind,
-    Study,
-    StudyTask,
-)
+from pointbrush.values.study import Condition, QuestionItem, Study, StudyStep
 
 SCALES = Path(__file__).parent / "scales.yaml"
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedStep:
-    """A step; ``copy``: number of the step whose copy of the recording it shows, -1: none."""
-
-    kind: StepKind
-    text: str = ""
-    condition: Condition | None = None
-    task: StudyTask | None = None
-    questionnaire: Questionnaire | None = None
-    copy: int = -1
 
 
 def conditions_of(study: Study, number: int) -> tuple[str, ...]:
@@ -63,31 +44,37 @@ def _shuffled(study: Study, block: int) -> Sequence[int]:
     return order
 
 
-def plan(study: Study, conditions: Sequence[str]) -> list[PlannedStep]:
+def plan(study: Study, session: Session) -> list[StudyStep]:
     """Return the steps of a session; raises ConflictError if the study's file has changed."""
     known = {each.name: each for each in study.conditions}
-    unknown = [name for name in conditions if name not in known]
+    unknown = [name for name in session.conditions if name not in known]
     if unknown:
         raise ConflictError(f"conditions: the study no longer has {unknown[0]!r}")
-    steps = [PlannedStep("consent", study.consent)] if study.consent else []
-    for condition in map(known.__getitem__, conditions):
-        steps.append(PlannedStep("instructions", condition.instructions, condition))
+    steps = [StudyStep("consent", study.consent)] if study.consent else []
+    for condition in map(known.__getitem__, session.conditions):
+        steps.append(StudyStep("instructions", condition.instructions, condition))
         for task in sorted(study.tasks, key=lambda each: not each.practice):
-            shown = PlannedStep("instructions", task.instructions, condition, task)
-            steps.append(replace(shown, copy=len(steps) + 1))
-            steps.append(replace(steps[-1], kind="practice" if task.practice else "task"))
+            read = StudyStep("instructions", task.instructions, condition, task)
+            steps += [read, replace(read, kind="practice" if task.practice else "task")]
         steps += _questionnaires(study, "condition", condition)
-    return [*steps, *_questionnaires(study, "study", None), PlannedStep("done")]
+    steps += [*_questionnaires(study, "study", None), StudyStep("done")]
+    named = partial(replace, title=study.title, count=len(steps))
+    return [named(step, number=number) for number, step in enumerate(steps)]
 
 
-def step_of(study: Study, session: Session) -> PlannedStep:
+def step_of(study: Study, session: Session) -> StudyStep:
     """Return the current step of a session."""
-    steps = plan(study, session.conditions)
+    steps = plan(study, session)
     return steps[min(session.step, len(steps) - 1)]
 
 
-def _questionnaires(study: Study, after: str, condition: Condition | None) -> list[PlannedStep]:
-    asked = PlannedStep("questionnaire", condition=condition)
+def copy_key(step: StudyStep) -> int:
+    """Return the number of the step with the copy that a step shows; instructions show the next."""
+    return step.number + (step.kind == "instructions")
+
+
+def _questionnaires(study: Study, after: str, condition: Condition | None) -> list[StudyStep]:
+    asked = StudyStep("questionnaire", condition=condition)
     return [
         replace(asked, questionnaire=replace(each, items=each.items or _scales()[each.scoring]))
         for each in study.questionnaires
@@ -105,7 +92,7 @@ def _scales() -> dict[str, tuple[QuestionItem, ...]]:
     return {"own": (), **items.validate_python(yaml.safe_load(SCALES.read_text("utf-8")))}
 
 
-def require_answers(step: PlannedStep, answers: Sequence[int]) -> None:
+def require_answers(step: StudyStep, answers: Sequence[int]) -> None:
     """Raise BadInputError unless each item of a step has a valid answer."""
     items = step.questionnaire.items if step.questionnaire else ()
     if len(answers) != len(items):

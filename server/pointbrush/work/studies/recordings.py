@@ -9,7 +9,8 @@ import numpy as np
 from pointbrush.errors import BadInputError
 from pointbrush.formats.tables.palette import SourceLabel
 from pointbrush.samples import generate
-from pointbrush.sequences import RecordingInfo, import_frames, update_manifest
+from pointbrush.sequences import RecordingInfo, import_frames
+from pointbrush.sequences.storage.manifest import note_import
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.values.study import StudyTask
 from pointbrush.work.imports.new_recordings import register
@@ -49,7 +50,7 @@ def _generate(store: WorkspaceStore, library: Library, task: StudyTask) -> None:
     try:
         with library.store.target(task.recording).building(lambda *_: None) as folder:
             import_frames(labelled, folder, info, total=count)
-            update_manifest(folder, palette=palette)
+            note_import(folder, palette=palette)
         register(store, library.recording(task.recording).manifest)
     finally:
         store.guards.end(guard)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 
 from pointbrush.values.study import Study
 from pointbrush.work.reviewing.report import plots
-from pointbrush.work.reviewing.report.html import STYLE, legend, table
+from pointbrush.work.reviewing.report.html import legend, page, table
 from pointbrush.work.reviewing.report.plots import Series
 from pointbrush.work.studies.overlap import Point
 from pointbrush.work.studies.results import Row, at_seconds
@@ -30,63 +31,58 @@ NOTE = (
 
 def to_html(study: Study, results: Sequence[tuple[Row, Sequence[Point]]]) -> str:
     """Return the report as a page."""
-    title = escape(study.title)
+    colors = {each.name: COLORS[n % len(COLORS)] for n, each in enumerate(study.conditions)}
     people = len({row["participant"] for row, _ in results})
-    return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{title}</title>'
-        f"<style>{STYLE}</style></head><body><header><h1>{title}</h1>"
-        f'<p class="soft">{people} participants, {len(results)} finished tasks, '
-        f"{study.design} participants</p></header>"
-        f"{_curves(study, results)}{_means(study, [row for row, _ in results])}</body></html>\n"
-    )
+    about = f"{people} participants, {len(results)} finished tasks, {study.design} participants"
+    rows = [row for row, _ in results]
+    return page(study.title, about, _curves(study, results, colors) + _means(study, rows, colors))
 
 
-def _curves(study: Study, results: Sequence[tuple[Row, Sequence[Point]]]) -> str:
+def _curves(
+    study: Study, results: Sequence[tuple[Row, Sequence[Point]]], colors: Mapping[str, str]
+) -> str:
     """Return a plot of the mean IoU over time for each task."""
-    names = [each.name for each in study.conditions]
-    shown = [(name, COLORS[n % len(COLORS)]) for n, name in enumerate(names)]
     parts = "<h2>IoU over time</h2><p class='soft'>Mean of the participants, by seconds</p>"
     for task in study.tasks:
-        mine = [(row, curve) for row, curve in results if row["task"] == task.name]
-        if not mine:
-            continue
-        seconds = math.ceil(max(row["duration_s"] for row, _ in mine))
-        series = []
-        for name, color in shown:
-            lines = [at_seconds(curve, seconds) for row, curve in mine if row["condition"] == name]
-            if lines:
-                series.append(Series(name, color, np.mean(lines, axis=0)))
-        parts += f"<p>{escape(task.name)}</p>" + plots.lines(series, seconds + 1, top=1.0, unit="")
-    return parts + legend(shown)
-
-
-def _means(study: Study, rows: Sequence[Row]) -> str:
-    names = [each.name for each in study.conditions]
-    paired, bars = study.design == "within", ""
-    lines: list[tuple[str, ...]] = []
-    for measure in (*MEASURES, *(each.name for each in study.questionnaires)):
-        means = [
-            (name, COLORS[n % len(COLORS)], float(np.mean([*own.values()])), f"n = {len(own)}")
-            for n, name in enumerate(names)
-            if (own := by_participant(rows, measure).get(name))
+        curves: dict[str, list[Sequence[Point]]] = defaultdict(list)
+        for row, curve in results:
+            if row["task"] == task.name:
+                curves[row["condition"]].append(curve)
+        longest = max((r["duration_s"] for r, _ in results if r["task"] == task.name), default=0)
+        seconds = math.ceil(longest)
+        series = [
+            Series(name, color, np.mean([at_seconds(c, seconds) for c in curves[name]], axis=0))
+            for name, color in colors.items()
+            if name in curves
         ]
+        if series:
+            parts += f"<h3>{escape(task.name)}</h3>"
+            parts += plots.lines(series, seconds + 1, top=1.0, unit="")
+    return parts + legend(colors.items())
+
+
+def _means(study: Study, rows: Sequence[Row], colors: Mapping[str, str]) -> str:
+    bars, lines = "", list[tuple[str, ...]]()
+    for measure in (*MEASURES, *(each.name for each in study.questionnaires)):
+        own = by_participant(rows, measure)
+        means = {name: float(np.mean([*own[name].values()])) for name in colors if name in own}
         if means:
-            bars += f"<p>{escape(measure)}</p>" + plots.named_bars(
-                [(name, color, mean, f"{mean:.3g} ({n})") for name, color, mean, n in means]
-            )
-        lines += [
-            (
-                measure,
-                f"{each.second} – {each.first}",
-                str(each.count),
+            bars += f"<h3>{escape(measure)}</h3>" + plots.named_bars([
+                (name, colors[name], mean, f"{mean:.3g} (n = {len(own[name])})")
+                for name, mean in means.items()
+            ])  # fmt: skip
+        for each in effects(
+            rows, measure, [*colors], paired=study.design == "within", seed=study.seed
+        ):
+            lines.append((
+                measure, f"{each.second} – {each.first}", str(each.count),
                 _with_interval(each.difference, each.interval),
                 _with_interval(each.d, each.d_interval),
-            )
-            for each in effects(rows, measure, names, paired=paired, seed=study.seed)
-        ]
+            ))  # fmt: skip
     head = ("measure", "conditions", "n", "difference", "d")
-    kind = "of the paired differences." if paired else "with the pooled deviation."
-    return f"<h2>Measures</h2><p class='soft'>{NOTE} {kind}</p>{table(head, lines)}{bars}"
+    kind = "of the paired differences" if study.design == "within" else "with the pooled deviation"
+    note = f"<h2>Measures</h2><p class='soft'>{NOTE} {kind}.</p>"
+    return f"{note}{table(head, lines)}{bars}"
 
 
 def _with_interval(value: float, interval: tuple[float, float]) -> str:

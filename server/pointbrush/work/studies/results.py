@@ -17,6 +17,8 @@ from pointbrush.teamwork.studies import FinishedStep, Record, Session
 from pointbrush.values.study import FileKind, LogRecord, Phase, Questionnaire, Study
 from pointbrush.work.library import Library
 from pointbrush.work.studies.design import PlannedStep, items_of, plan, score
+from pointbrush.values.study import FileKind, LogRecord, Phase, Study, StudyStep
+from pointbrush.work.studies.design import plan, score
 from pointbrush.work.studies.overlap import Overlap, Point, curve_of
 from pointbrush.work.studies.replaying import Replayed, matched
 
@@ -33,7 +35,7 @@ def task_results(
 ) -> Iterator[tuple[Row, list[Point]]]:
     """Yield a row for each finished task of each participant, and the IoU over time."""
     for session in sessions:
-        steps, copies = plan(study, session.conditions), store.studies.copies(session)
+        steps, copies = plan(study, session), store.studies.copies(session)
         scores = _scores(steps, session.finished)
         records = by_step(store.studies.log(session.account))
         for number, (step, ended) in enumerate(zip(steps, session.finished, strict=False)):
@@ -55,7 +57,7 @@ def task_results(
 
 def log_rows(study: Study, session: Session, log: Iterable[Record]) -> list[Row]:
     """Return the log of a participant with a column for each number of a pose."""
-    steps, rows = plan(study, session.conditions), []
+    steps, rows = plan(study, session), []
     names = [name for name in LogRecord.__dataclass_fields__ if name not in (*LIMBS, "t")]
     for number, record in enumerate(log):
         row = _named(session, steps[min(record["step"], len(steps) - 1)])
@@ -104,7 +106,7 @@ def encode(rows: Sequence[Row], kind: FileKind) -> bytes:
     return out.getvalue()
 
 
-def _named(session: Session, step: PlannedStep) -> Row:
+def _named(session: Session, step: StudyStep) -> Row:
     condition, task = step.condition, step.task
     return {
         "participant": session.number,
@@ -116,7 +118,7 @@ def _named(session: Session, step: PlannedStep) -> Row:
     }
 
 
-def _scores(steps: Sequence[PlannedStep], finished: Sequence[FinishedStep]) -> dict[str, Row]:
+def _scores(steps: Sequence[StudyStep], finished: Sequence[FinishedStep]) -> dict[str, Row]:
     """Return scores and answers of questionnaires by condition; "": of the whole study."""
     rows: dict[str, Row] = {"": {}}
     for step, (*_, answers) in zip(steps, finished, strict=False):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from pointbrush.database.project_tables import FIRST
@@ -17,7 +18,6 @@ from pointbrush.values.study import (
     NewStudy,
     Participant,
     Replay,
-    SessionStep,
     StepDone,
     Study,
     StudyInfo,
@@ -26,7 +26,7 @@ from pointbrush.values.study import (
 )
 from pointbrush.work.library import Library
 from pointbrush.work.projects.copies import make_copy
-from pointbrush.work.studies.design import conditions_of, plan, require_answers, step_of
+from pointbrush.work.studies.design import conditions_of, copy_key, plan, require_answers, step_of
 from pointbrush.work.studies.files import TEMPLATES, StudyFiles, parse
 from pointbrush.work.studies.overlap import Overlap, Point, frames_of, ids_of
 from pointbrush.work.studies.recordings import require_task
@@ -126,11 +126,11 @@ class Studies:
         design = self._files.read(study)
         return [self._overview(design, each) for each in self._rows.all(study)]
 
-    def add(self, study: str, count: int) -> list[tuple[Participant, str]]:
-        """Add participants; return them with their codes, which are not stored."""
+    def add(self, study: str, count: int) -> list[Participant]:
+        """Add participants; only this answer has their codes."""
         design = self._files.read(study)
         made = [self._rows.add(study, lambda n: conditions_of(design, n)) for _ in range(count)]
-        return [(self._overview(design, session), code) for session, code in made]
+        return [replace(self._overview(design, session), code=code) for session, code in made]
 
     def pause(self, study: str, key: str, *, paused: bool) -> Participant:
         """Pause or continue the session of a participant."""
@@ -149,15 +149,18 @@ class Studies:
 
     def _overview(self, study: Study, session: Session) -> Participant:
         step = step_of(study, session)
-        sequence = self._rows.copies(session).get(step.copy)
-        return Participant.of(
-            session,
+        sequence = self._rows.copies(session).get(copy_key(step)) if step.task else None
+        return Participant(
+            number=session.number,
+            conditions=session.conditions,
             state="done" if step.kind == "done" else session.state,
-            count=len(plan(study, session.conditions)),
+            step=session.step,
+            count=step.count,
             kind=step.kind,
             task=step.task.name if step.task else None,
             sequence=sequence,
             iou=self._iou(step.task, sequence) if step.task and sequence else None,
+            records=session.records,
         )
 
     # ── the session of a participant ─────────────────────────────────────────────────────
@@ -165,32 +168,24 @@ class Studies:
     def step(self, account: str) -> StudyStep:
         """Return the current step of a participant, with a copy of its recording."""
         session, now = self._rows.begin(account)
-        study = self._files.read(session.study)
-        step, elapsed = step_of(study, session), session.elapsed(now)
-        task = step.task
-        frames = frames_of(self._library, task) if task else range(0)
-        sequence = self._copy_of(session, step.copy, task) if task else None
-        works = step.kind in ("practice", "task")
-        limit = task.time_limit_s if task and works else None
-        left = None if limit is None else max(0.0, limit - elapsed)
-        reached = left == 0.0
-        if task and sequence and works and task.stop == "iou" and not reached:
-            reached = self._iou(task, sequence) >= task.target_iou
-        return StudyStep.of(
-            step,
-            title=study.title,
-            number=session.step,
-            count=len(plan(study, session.conditions)),
-            kind="pause" if session.paused is not None else step.kind,
-            sequence=sequence,
-            start=frames.start,
-            stop=frames.stop,
-            labels=ids_of(self._store, task) if task else (),
-            time_left_s=left,
-            elapsed_s=elapsed,
-            reached=reached,
-            records=session.records,
+        step = step_of(self._files.read(session.study), session)
+        elapsed = session.elapsed(now)
+        found = replace(step, elapsed_s=elapsed, records=session.records)
+        if step.task:
+            found = self._with_task(found, session, step.task)
+        return replace(found, kind="pause") if session.paused is not None else found
+
+    def _with_task(self, step: StudyStep, session: Session, task: StudyTask) -> StudyStep:
+        sequence = self._copy_of(session, copy_key(step), task)
+        frames, labels = frames_of(self._library, task), ids_of(self._store, task)
+        step = replace(step, sequence=sequence, start=frames.start, stop=frames.stop, labels=labels)
+        if step.kind == "instructions":
+            return step
+        left = task.time_limit_s and max(0.0, task.time_limit_s - step.elapsed_s)
+        reached = left == 0.0 or (
+            task.stop == "iou" and self._iou(task, sequence) >= task.target_iou
         )
+        return replace(step, time_left_s=left, reached=reached)
 
     def finish(self, account: str, done: StepDone) -> StudyStep:
         """End a step and return the next one; a repeated call returns the current one.
@@ -203,7 +198,10 @@ class Studies:
             if step.kind == "done":
                 raise ConflictError("step: the session is finished")
             require_answers(step, done.answers)
-        self._rows.finish(account, done.number, done.answers)
+        last = session.step == step.count - 2  # the step "done" follows
+        self._rows.finish(account, done.number, done.answers, last=last)
+        if last:
+            self._store.team.access.forget()
         return self.step(account)
 
     def append(self, account: str, log: LogRecords) -> LogPosition:
@@ -264,24 +262,21 @@ class Studies:
         rows = log if kind == "json" else log_rows(self._files.read(study), session, log)
         return encode(rows, kind)
 
-    def steps(self, study: str, key: str) -> list[SessionStep]:
-        """Return the steps of a participant that have a recording, by number."""
+    def steps(self, study: str, key: str) -> list[StudyStep]:
+        """Return the steps of a participant that have labels, by number."""
         session = self._rows.get(study, key)
-        steps = plan(self._files.read(study), session.conditions)
-        return [
-            SessionStep(number, step.condition.name, step.task.name, sequence)
-            for number, sequence in sorted(self._rows.copies(session).items())
-            if (step := steps[number]).condition and step.task
-        ]
+        steps = plan(self._files.read(study), session)
+        copies = sorted(self._rows.copies(session).items())
+        return [replace(steps[number], sequence=sequence) for number, sequence in copies]
 
     def replay(self, study: str, key: str) -> Replay:
         """Compare the labels of a participant with the result of their log."""
-        records = by_step(self._rows.log(self._rows.get(study, key).account))
-        edits = 0
+        records, edits = by_step(self._rows.log(self._rows.get(study, key).account)), 0
         for step in self.steps(study, key):
-            recording = self._library.recording(step.sequence)
+            recording = self._library.recording(step.sequence or "")
             try:
                 edits += replay(self._store, recording, records[step.number])
-            except ConflictError as difference:
-                return Replay(False, edits, f"{step.condition}, {step.task}: {difference}")
+            except ConflictError as error:
+                names = ", ".join(each.name for each in (step.condition, step.task) if each)
+                return Replay(False, edits, f"{names}: {error}")
         return Replay(True, edits, "")

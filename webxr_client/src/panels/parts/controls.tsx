@@ -1,6 +1,6 @@
 /** Basic controls of the panels. */
 import type { ComponentChildren, RefObject } from 'preact';
-import { useRef } from 'preact/hooks';
+import { useRef, useState } from 'preact/hooks';
 import { Icon, type IconName } from '../../common/icons';
 
 interface ButtonProps {
@@ -44,6 +44,28 @@ export function Button(props: ButtonProps) {
       {props.icon && <Icon name={props.icon} />}
       {props.label !== undefined && <span class="button-label">{props.label}</span>}
     </button>
+  );
+}
+
+interface SureButtonProps {
+  /** Text of the second button, such as "Delete". */
+  label: string;
+  tip: string;
+  disabled?: boolean;
+  onClick: () => void;
+}
+
+/** A button for what cannot be undone: its first press shows the button that does it. */
+export function SureButton({ label, tip, disabled, onClick }: SureButtonProps) {
+  const [sure, setSure] = useState(false);
+  const act = (): void => {
+    setSure(false);
+    onClick();
+  };
+  return sure ? (
+    <Button label={label} kind="danger" small onClick={act} />
+  ) : (
+    <Button icon="trash" tip={tip} small disabled={disabled} onClick={() => setSure(true)} />
   );
 }
 

@@ -62,14 +62,18 @@ MOST_LINES = 40
 def to_html(report: Report) -> str:
     """Return the report as a page."""
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
-    title = escape(report.name)
+    parts = (_cards, _progress, _labels, _confidence, _effort)
+    return page(report.name, f"Labels as of {made}", "".join(part(report) for part in parts))
+
+
+def page(title: str, about: str, body: str) -> str:
+    """Return a page; ``title`` and ``about`` are plain text, ``body`` is HTML."""
     return (
         f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{title} · labels</title><style>{STYLE}</style></head><body>"
-        f'<header><h1>{title}</h1><p class="soft">Labels as of {made}</p></header>'
-        f"{_cards(report)}{_progress(report)}{_labels(report)}{_confidence(report)}"
-        f"{_effort(report)}</body></html>\n"
+        f"<title>{escape(title)}</title><style>{STYLE}</style></head><body>"
+        f'<header><h1>{escape(title)}</h1><p class="soft">{escape(about)}</p></header>'
+        f"{body}</body></html>\n"
     )
 
 
