@@ -124,7 +124,7 @@ def test_a_participant_at_the_desk(
     desk = Desk(blank_page(browser, server.url), links["desk"], (UNDRAWN, TOUR_LEFT))
     read(desk, "Before you begin", "I agree")
     read(desk, "Instructions", "Begin")
-    read(desk, "practice", "Begin")
+    read(desk, "Practice", "Begin")
     shown(desk)
     expect(desk.page.get_by_role("button", name="Export")).to_have_count(0)
     press(desk, "Done")
@@ -147,6 +147,11 @@ def test_a_participant_at_the_desk(
     expect(desk.page.get_by_role("heading", name="Paused")).to_have_count(0)
     row = manager.page.get_by_role("row").nth(1)
     expect(row).to_contain_text(re.compile(r"task table-top\D*[1-9]"))
+
+    press(manager, "Look at the recording of participant 1")
+    manager.until(f"Object.values(pb.labels()).join() === '{','.join(map(str, painted.values()))}'")
+    expect(manager.page.get_by_role("button", name="Paint")).to_have_count(0)
+    press(manager, "Back to the study")
 
     desk.page.reload()
     shown(desk)
@@ -194,7 +199,7 @@ def test_a_participant_in_a_headset(
     worn = Headset(blank_page(browser, server.url), links["headset"], scripts)
     read(worn, "Before you begin", "I agree")
     read(worn, "Instructions", "Begin")
-    read(worn, "practice: put on the headset", "Enter VR")
+    read(worn, "Practice: put on the headset", "Enter VR")
     worn.click("added", "Begin")
     shown(worn)
     worn.click("added", "Done")
@@ -227,7 +232,7 @@ def test_a_participant_without_controllers(
     worn = Headset(blank_page(browser, server.url), links[condition], scripts)
     read(worn, "Before you begin", "I agree")
     read(worn, "Instructions", "Begin")
-    read(worn, "practice: put on the headset", "Enter VR")
+    read(worn, "Practice: put on the headset", "Enter VR")
     worn.until("hs.headset.cockpit && hs.frames() > 2")
     if condition == "hands":
         worn.lay_down_controllers()
@@ -264,13 +269,13 @@ def test_a_participant_with_one_tool(
     desk = Desk(blank_page(browser, server.url), links[tool], (UNDRAWN, TOUR_LEFT))
     read(desk, "Before you begin", "I agree")
     read(desk, "Instructions", "Begin")
-    read(desk, "practice", "Begin")
+    read(desk, "Practice", "Begin")
     shown(desk)
     press(desk, "Done")
     read(desk, "table-top", "Begin")
     shown(desk)
     offered = {
-        name: desk.page.get_by_role("button", name=name, exact=True).count()
+        name: desk.page.get_by_role("radio", name=name, exact=True).count()
         for name in ("Brush", "Object")
     }
     assert offered == {"Brush": tool == "brush", "Object": tool == "object"}

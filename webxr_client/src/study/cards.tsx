@@ -15,7 +15,6 @@ export function StudyBar() {
   const [title, text, button] = wordsOf(step);
   return (
     <div class="line" role="group" aria-label="Task">
-      {step.kind === 'practice' && <span class="pill">Practice</span>}
       <strong class="title" data-tip={text}>
         {title}
       </strong>
@@ -55,7 +54,12 @@ function Card({ step }: { step: StudyStep }) {
   const questionnaire = step.kind === 'questionnaire' && step.questionnaire;
   return (
     <dialog ref={dialog} class="settings" aria-label={step.title} onCancel={stay} onKeyDown={stay}>
-      <header class="line soft">{step.title}</header>
+      <header class="line spread soft">
+        <span>{step.title}</span>
+        <span>
+          Step {step.number + 1} of {step.count}
+        </span>
+      </header>
       <div class="settings-body stack">
         {questionnaire ? <Questions of={questionnaire} /> : <Reading step={step} />}
       </div>

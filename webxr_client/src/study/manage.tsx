@@ -12,6 +12,7 @@ import { Field, Table } from '../panels/parts/fields';
 import { useModal } from '../panels/parts/modal';
 import type { Participant, StudyInfo } from '../protocol/values';
 import { actions } from '../store/actions';
+import { limits } from '../store/limits';
 import { replay } from './replay-bar';
 
 /** From one look at the participants to the next, milliseconds. */
@@ -27,6 +28,24 @@ const participants = signal<readonly Participant[]>([]);
 const added = signal<readonly Participant[]>([]);
 const dialogPlace = document.createElement('div');
 let engine: Engine;
+
+/** Show the recording as a participant labels it, without tools that would change it. */
+function watch(participant: number, sequence: string): void {
+  const leave = (): void => {
+    limits.value = null;
+    actions.recordings.closeSequence();
+    openStudies(engine);
+  };
+  const Bar = () => (
+    <div class="line" role="group" aria-label="Live view">
+      <strong class="title">Participant {participant}</strong>
+      <Button label="Back to the study" kind="outlined" onClick={leave} />
+    </div>
+  );
+  limits.value = { tools: null, hints: true, Bar };
+  actions.tools.setTool('navigate');
+  actions.recordings.openSequence(sequence);
+}
 
 /** Open the studies. */
 export function openStudies(of: Engine): void {
@@ -192,7 +211,7 @@ function rowOf(one: Participant) {
     <div class="line">
       {state !== 'waiting' && state !== 'done' && <Button icon={paused ? 'play' : 'pause'} tip={tip} small onClick={pause} />}
       {sequence && <Button icon="eye" tip={`Look at the recording of participant ${number}`} small
-        onClick={() => leaveTo(() => actions.recordings.openSequence(sequence))} />}
+        onClick={() => leaveTo(() => watch(number, sequence))} />}
       {records > 0 && <Button icon="history" tip={`Replay participant ${number}`} small
         onClick={() => leaveTo(() => replay(engine, number, path))} />}
       <SureButton label="Delete" tip={`Delete participant ${number} with all data`} onClick={remove} />

@@ -26,7 +26,7 @@ export function wordsOf(step: StudyStep): [title: string, text: string, button: 
   if (kind === 'pause')
     return ['Paused', 'The study continues in a moment. Your work is kept.', ''];
   if (kind === 'done') return ['Thank you', 'The study is finished. You can close this page.', ''];
-  const title = task?.name ?? 'Instructions';
+  const title = task?.practice ? 'Practice' : (task?.name ?? 'Instructions');
   if (kind === 'instructions') return [title, text, 'Begin'];
   return [title, text, kind === 'practice' || task?.stop === 'button' ? 'Done' : ''];
 }

@@ -44,7 +44,7 @@ def _generate(store: WorkspaceStore, library: Library, task: StudyTask) -> None:
     library.require_writable()
     sample = generate(task.sample, frames=count)
     info = RecordingInfo(task.recording, sample.name, sample.fps, f"sample {task.sample}")
-    palette = [asdict(SourceLabel(*label)) for label in sample.labels]
+    palette = [asdict(SourceLabel(n, name, "", color)) for n, name, _, color in sample.labels]
     labelled = (replace(sample.frames[n], label=sample.truth[n]) for n in range(count))
     guard = store.guards.reserve([task.recording], library.is_free)
     try:

@@ -14,11 +14,9 @@ import numpy as np
 
 from pointbrush.teamwork.store import WorkspaceStore
 from pointbrush.teamwork.studies import FinishedStep, Record, Session
-from pointbrush.values.study import FileKind, LogRecord, Phase, Questionnaire, Study
+from pointbrush.values.study import FileKind, LogRecord, Phase, Questionnaire, Study, StudyStep
 from pointbrush.work.library import Library
-from pointbrush.work.studies.design import PlannedStep, items_of, plan, score
-from pointbrush.values.study import FileKind, LogRecord, Phase, Study, StudyStep
-from pointbrush.work.studies.design import plan, score
+from pointbrush.work.studies.design import items_of, plan, score
 from pointbrush.work.studies.overlap import Overlap, Point, curve_of
 from pointbrush.work.studies.replaying import Replayed, matched
 
@@ -52,7 +50,7 @@ def task_results(
             curve = [*curve_of(edits, times, overlap, replayed)]
             named = _named(session, step)
             row = named | measures(duration, log, strokes, curve)
-            yield row | scores.get(named["condition"], {}) | scores[""], curve
+            yield row | scores[named["condition"]] | scores[""], curve
 
 
 def log_rows(study: Study, session: Session, log: Iterable[Record]) -> list[Row]:
@@ -120,11 +118,11 @@ def _named(session: Session, step: StudyStep) -> Row:
 
 def _scores(steps: Sequence[StudyStep], finished: Sequence[FinishedStep]) -> dict[str, Row]:
     """Return scores and answers of questionnaires by condition; "": of the whole study."""
-    rows: dict[str, Row] = {"": {}}
+    rows: dict[str, Row] = defaultdict(dict)
     for step, (*_, answers) in zip(steps, finished, strict=False):
         if step.questionnaire:
+            row = rows[step.condition.name if step.condition else ""]
             values = [score(step.questionnaire.items, answers), *answers]
-            row = rows.setdefault(step.condition.name if step.condition else "", {})
             row |= dict(zip(columns_of(step.questionnaire), values, strict=True))
     return rows
 
@@ -152,9 +150,7 @@ def measures(
             for name, least in LEVELS.items()
         },
         "strokes": strokes,
-        "clicks": counts["click"],
-        "undos": counts["undo"],
-        "redos": counts["redo"],
+        **{f"{kind}s": counts[kind] for kind in ("click", "undo", "redo")},
         **{f"{limb}_m": travel(records, limb) for limb in LIMBS},
         **shares(records, duration_s),
     }
