@@ -136,23 +136,7 @@ function BrushOptions() {
           onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}
         />
       )}
-      {way.name === 'object' && (
-        <Check
-          label="Overwrite other labels"
-          tip="Also label points that have another label"
-          checked={brush.takeLabelled}
-          onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
-        />
-      )}
-      {way.name === 'object' && offers('people') && hasDepth.value && (
-        <Button
-          icon="people"
-          label="Find people"
-          tip="Find people in this frame by its colours, without a click"
-          disabled={!canEdit.value}
-          onClick={() => void findPeople()}
-        />
-      )}
+      {way.name === 'object' && <ObjectOptions />}
       {state.tool.value === 'paint' && offers('track') && (
         <AfterStroke path={way.samples === 'path'} />
       )}
@@ -162,6 +146,28 @@ function BrushOptions() {
           tip="Paint through the object: also take points behind the first surface"
           checked={brush.through}
           onChange={(through) => patch(state.brush, { through })}
+        />
+      )}
+    </>
+  );
+}
+
+function ObjectOptions() {
+  return (
+    <>
+      <Check
+        label="Overwrite other labels"
+        tip="Also label points that have another label"
+        checked={state.brush.value.takeLabelled}
+        onChange={(takeLabelled) => patch(state.brush, { takeLabelled })}
+      />
+      {offers('people') && hasDepth.value && (
+        <Button
+          icon="people"
+          label="Find people"
+          tip="Find people in this frame by its colours, without a click"
+          disabled={!canEdit.value}
+          onClick={() => void findPeople()}
         />
       )}
     </>

@@ -11,7 +11,7 @@ import numpy as np
 
 from pointbrush.errors import BadInputError, ConflictError
 from pointbrush.teamwork.studies import Session
-from pointbrush.values.study import Condition, QuestionItem, Study, StudyStep
+from pointbrush.values.study import Condition, QuestionItem, Questionnaire, Study, StudyStep
 
 SCALES = Path(__file__).parent / "scales.yaml"
 
@@ -76,10 +76,15 @@ def copy_key(step: StudyStep) -> int:
 def _questionnaires(study: Study, after: str, condition: Condition | None) -> list[StudyStep]:
     asked = StudyStep("questionnaire", condition=condition)
     return [
-        replace(asked, questionnaire=replace(each, items=each.items or _scales()[each.scoring]))
+        replace(asked, questionnaire=replace(each, items=items_of(each)))
         for each in study.questionnaires
         if each.after == after
     ]
+
+
+def items_of(questionnaire: Questionnaire) -> tuple[QuestionItem, ...]:
+    """Return the items of a questionnaire: its own, else those of its scoring."""
+    return questionnaire.items or _scales()[questionnaire.scoring]
 
 
 @cache
