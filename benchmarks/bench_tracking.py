@@ -17,7 +17,6 @@ flagged (lost, occluded or confidence under 0.5), and of those over 0.8 the shar
 nothing.  ``--draws N`` tracks each recording N times, but for the first with a micrometre of noise:
 what changes then is chance, and so is a change of that size.  ``track_guards.py`` compares two
 commits.
-``auto-next`` is a tracker under development: small objects before a depth camera only.
 Open3D and small_gicp are installed for this benchmark only (tracking_peers.py).
 """
 
@@ -40,20 +39,16 @@ from tracking_recordings import KINDS, REAL, SCENES, SEEN, recorded
 from tracking_score import Score, together
 
 from pointbrush.tracking import METHODS
-from pointbrush.tracking.anew.tracker import NextTracker
-from pointbrush.tracking.bidirectional import BothSides
 from pointbrush.tracking.interface import Method
 
-OURS = ("icp", "color-icp", "auto", "auto-next")
-ALL = ("nn-copy", *OURS[:3], *PEERS)
+OURS = ("icp", "color-icp", "auto")
+ALL = ("nn-copy", *OURS, *PEERS)
 
 
 def method_named(name: str) -> Callable[[], Method]:
     """What makes a method; raises ImportError for a peer that cannot be had."""
     if name == "nn-copy":
         return lambda: Peer(stay)
-    if name == "auto-next":
-        return lambda: BothSides(NextTracker())
     if name in PEERS:
         ready = peer(name)
         return lambda: ready

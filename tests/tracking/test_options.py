@@ -22,8 +22,6 @@ DEFINITIONS = {
     "duplicates.py": {"REMEMBERED"},  # size of a cache, in frames
     "steps/propose.py": {"OPPOSITE", "ALONG"},  # rounding of directions
     "compute/columns.py": {"PER_COLUMN"},  # layout of a search grid
-    "anew/label.py": {"OTHER", "BACKGROUND", "CLUTTER"},  # columns of the posterior
-    "anew/priors.py": {"PRIORS"},  # options of the method in development
     "compute/grid.py": {"MOST_ACROSS", "SPARE", "MOST_NEAR", "RUN"},  # likewise
     "interface.py": {"PAINTED", "USUAL_FPS"},  # code of a provenance
     "model/appearance.py": {"BIN", "LIKE", "LOW", "SHAPE"},  # layout of a histogram

@@ -1,1 +1,0 @@
-"""`auto-next`: tracking by one labelling energy per frame."""
