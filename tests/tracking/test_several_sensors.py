@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import pytest
 import scenes
 from runs import follow
 from scenes.figures import person
 from views import OPTIONS, box
 
+from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.sensors.sights import find_lenses
 from pointbrush.tracking.sensors.view import View
 
@@ -100,6 +102,15 @@ def test_a_place_is_seen_through_by_the_camera_that_looks_there() -> None:
     alone = view_of(FRONT)
     assert alone.hides(BEHIND, 0.05)[0]
     assert not alone.sees_through(BEHIND, 0.05)[0]
+
+
+def test_the_unit_is_the_spacing_of_one_camera_where_several_overlap() -> None:
+    units = []
+    for sensors in ((FRONT,), (FRONT, replace(FRONT, origin=np.array([0.02, 1.0, 0.0])))):
+        view = view_of(*sensors)
+        points = np.flatnonzero(view.frame.truth)
+        units.append(begin(view, 1, points, 0.0, OtherMovers.none()).unit)
+    assert units[1] == pytest.approx(units[0], rel=0.1)
 
 
 def test_pixels_beside_a_picture_belong_to_no_other_camera() -> None:

@@ -313,6 +313,19 @@ def begin(view: View, label: int, indices: I64, noise: float, other_movers: Othe
     return track
 
 
+def _coarsest_spacing(view: View, indices: I64, xyz: F64, colour: F32) -> float:
+    """Return the greatest spacing (m) of points in those of one sensor; 0.0 for one sensor.
+
+    Where their points overlap, all together are denser than the surface that only one sees.
+    """
+    options, spacings = view.options.track, [0.0]
+    for points in view.points_by_sensor if view.frame.sensor is not None else ():
+        own = points[indices]
+        if own.mean() > options.sensor_share:
+            spacings.append(texture(xyz[own], colour[own], options=options)[0])
+    return max(spacings)
+
+
 def _made(
     view: View,
     label: int,
@@ -328,7 +341,9 @@ def _made(
     spacing, speckle = texture(xyz, colour, options=options.track)
     if not view.scans:  # no computation uses more points than these
         spacing *= float(np.sqrt(max(1.0, len(indices) / most)))
-    unit = max(spacing, noise, options.track.ring_share * across_rings(xyz, options=options.track))
+    coarsest = _coarsest_spacing(view, indices, xyz, colour)
+    rings = options.track.ring_share * across_rings(xyz, options=options.track)
+    unit = max(spacing, coarsest, noise, rings)
     weight = 0.0
     if view.frame.rgb is not None and not colourless(view, indices):
         weight = options.track.colour_units * unit / max(speckle, options.track.min_colour_noise)

@@ -143,6 +143,8 @@ class ObjectOptions(Options):
     ring_neighbours: int = 24  # neighbours among which the next ring of a lidar is looked for
     ring_cos: float = 0.5  # cosine of a way aside
     ring_share: float = 0.3  # share of the way between rings that is a unit
+    # Least share of an object's points that one of several sensors has, for its spacing to count.
+    sensor_share: float = 0.1
     edge_px: int = 2  # pixels from the edge of the picture
     edge_share: float = 0.15  # share of the painted points at the edge from which it is cut
     contact_share: float = 0.3  # share of its width along the edge that touches it likewise
