@@ -1,12 +1,12 @@
 """Several sensors: alignment of their mounts, and tracks of all cameras and of each one alone.
 
     python benchmarks/bench_sensors.py [--seeds 201,202,203] [--frames 30] [--every 2]
-                                       [--only align|track]
+                                       [--grain 0.333] [--only align|track]
 
 Three depth cameras record the generated jugglers (``pointbrush demo --sample stage``).  Alignment
 starts from mounts with errors of 2 cm and 2 degrees.  For tracking, frame 0 has the true labels;
 ``all cameras, its points`` counts the joint run on the points of one camera, beside a run that has
-only these.  Objects with 40 points or more count.
+only these.  Objects with 40 points or more count.  ``--grain``: see ``StageOptions``.
 """
 
 # The thread limits have to be set before numpy is imported.
@@ -29,11 +29,10 @@ from numpy.typing import NDArray
 from tracking_frames import LEAST, Frame, Lattice
 
 from pointbrush.samples.sensor import KINECT
-from pointbrush.samples.stage import Stage, StageOptions
+from pointbrush.samples.stage import GRAIN, Stage, StageOptions
 from pointbrush.tracking import METHODS, Seed, TrackOptions
 from pointbrush.tracking.sensors.alignment import SensorPoints, align_mounts
 
-ERROR = StageOptions(3, 0.02, 2.0)
 LATTICE = Lattice(
     KINECT.width,
     KINECT.height,
@@ -119,7 +118,7 @@ def show(name: str, scores: Mapping[tuple[int, int], float], people: set[int]) -
 
 def tracks(seed: int, given: argparse.Namespace) -> None:
     """Track the recording of one seed."""
-    stage = Stage(seed, given.frames * given.every, StageOptions())
+    stage = Stage(seed, given.frames * given.every, StageOptions(grain=given.grain))
     people = {label.id for label in stage.labels if label.category == "person"}
     frames = [frame_of(stage, i * given.every) for i in range(given.frames)]
     joint = track(frames)
@@ -133,7 +132,8 @@ def tracks(seed: int, given: argparse.Namespace) -> None:
 
 def alignment(seed: int, given: argparse.Namespace) -> None:
     """Correct the mounts of one seed."""
-    stage = Stage(seed, given.frames * given.every, ERROR)
+    wrong = StageOptions(3, 0.02, 2.0, given.grain)
+    stage = Stage(seed, given.frames * given.every, wrong)
     numbers = np.linspace(0, len(stage) - 1, ALIGNED_FRAMES).astype(int).tolist()
     frames = []
     for number in numbers:
@@ -158,6 +158,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="201,202,203")
     parser.add_argument("--frames", type=int, default=30)
     parser.add_argument("--every", type=int, default=2)
+    parser.add_argument("--grain", type=float, default=GRAIN)
     parser.add_argument("--only", choices=("align", "track"))
     given = parser.parse_args()
     for measure in (alignment, tracks):

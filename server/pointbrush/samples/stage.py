@@ -27,8 +27,8 @@ CORNERS = (vec(2.1, 2.0, -4.0), vec(-2.1, 2.2, -4.0))
 TARGET = vec(0.0, 0.95, -2.55)
 """Place in the room that they look at, metres."""
 GRAIN = 1 / 3
-"""Noise of depths, of that of the other samples, which is 3 to 4 times as strong at 2 to 4 m as
-Fankhauser et al. (Kinect v2 for mobile robot navigation, ICAR 2015) measured."""
+"""Ratio of the noise of depths to that of the other samples, which is 3 to 4 times as strong at 2
+to 4 m as Fankhauser et al. (Kinect v2 for mobile robot navigation, ICAR 2015) measured."""
 SEED_STEP = 10_007
 """Difference of the seeds of two cameras' errors."""
 
@@ -38,12 +38,14 @@ class StageOptions:
     """Options of a stage.
 
     ``cameras`` 2 or 3.  ``error_metres`` and ``error_degrees``: length and angle by which the
-    given mounts of all cameras but the first are wrong, in random directions.
+    given mounts of all cameras but the first are wrong, in random directions.  ``grain``: ratio of
+    the noise of depths to that of the other samples.
     """
 
     cameras: int = 3
     error_metres: float = 0.0
     error_degrees: float = 0.0
+    grain: float = GRAIN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +105,7 @@ class Stage:
                 _View(scene, place),
                 count,
                 seed + SEED_STEP * k,
-                sensor=Measuring(noise, grain=GRAIN),
+                sensor=Measuring(noise, grain=options.grain),
                 camera=camera,
             )
             for k, place in enumerate(places)
