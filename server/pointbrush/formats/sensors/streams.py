@@ -170,8 +170,8 @@ def _on_clock(reference: Stream, stream: Stream, options: ReadOptions) -> Stream
     if not found.is_clear:
         raise BadInputError(
             f"{stream.name}: expected motion that {reference.name} sees as well for an estimate of "
-            f"the clock offset, got a correlation of {found.correlation:.2f} at best; name it in "
-            "seconds (--clock-offset)"
+            f"the clock offset, got a correlation of {found.correlation:.2f} by {len(seen[1])} "
+            "changes at best; name it in seconds (--clock-offset)"
         )
     log.warning(
         "%s: its clock offset is estimated from motion: %.3f s, by a correlation of %.2f",

@@ -141,7 +141,7 @@ def _of_yaml(name: str, text: str) -> dict[int, ClassName]:
     try:
         content = parse_yaml(text)
     except ValueError as error:
-        raise BadInputError(f"{name}: expected YAML of class names: {error}") from None
+        raise BadInputError(f"{name}: expected YAML of class names, got {error}") from None
     labels = content.get("labels") if isinstance(content, dict) else None
     if not isinstance(labels, dict):
         raise BadInputError(f"{name}: expected YAML with 'labels', numbers and names, got none")
