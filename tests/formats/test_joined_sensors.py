@@ -359,6 +359,9 @@ def test_sensors_that_make_no_recording_are_refused_in_words(tmp_path: Path) -> 
         (tmp_path / "extrinsics.json").write_text(json.dumps({"left": entry}))
         with pytest.raises(BadInputError, match=said):
             frames_of(tmp_path)
+    file.write_text(" " * 2_000_000)
+    with pytest.raises(BadInputError, match=r"my\.json: expected at most 1,048,576 bytes"):
+        frames_of(tmp_path, extrinsics=str(file))
 
 
 @pytest.mark.parametrize("name", ["x" * 201, "camera \u00e9"], ids=["long", "accent"])

@@ -20,6 +20,8 @@ from pointbrush.values.kinds import SensorType
 FILES = ("extrinsics.json", "calibration.json", "calib.txt")
 """Calibration files in a folder with a folder for each sensor."""
 TYPES: tuple[str, ...] = get_args(get_args(SensorType)[0])
+MOST_BYTES = 1 << 20
+"""Greatest size of a calibration file."""
 AUTO = "auto"
 """Clock offset that is estimated."""
 MOST_SECONDS = 1e10
@@ -51,7 +53,11 @@ def read_extrinsics(path: Path, limits: Limits) -> dict[str, Extrinsics]:
         require_inside([path], limits.roots)
     if not path.is_file():
         raise NotFoundError(f"extrinsics: expected a file, there is no {path.name}")
-    text = path.read_text("utf-8-sig", "replace")
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    if len(data) > MOST_BYTES:
+        raise BadInputError(f"{path.name}: expected at most {MOST_BYTES:,} bytes, got more")
+    text = data.decode("utf-8-sig", "replace")
     if path.suffix.lower() != ".json":
         return dict(_of_lines(path.name, text))
     try:

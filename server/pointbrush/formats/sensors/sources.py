@@ -15,6 +15,7 @@ from pointbrush.formats.options import ReadOptions
 from pointbrush.formats.sensors.drives import argoverse_streams, nuscenes_streams
 from pointbrush.formats.sensors.extrinsics import (
     FILES,
+    MOST_BYTES,
     Extrinsics,
     pairs_of,
     read_extrinsics,
@@ -81,7 +82,8 @@ def _calibration(folder: Path, options: ReadOptions) -> dict[str, Extrinsics]:
             known = read_extrinsics(path, options.limits)
         except BadInputError:
             # The file may be of another tool, unless it names a folder.
-            text = path.read_text("utf-8", "replace")
+            with path.open("rb") as file:
+                text = file.read(MOST_BYTES).decode("utf-8", "replace")
             if any(f'"{name}"' in text for name in inside):
                 raise
             continue
