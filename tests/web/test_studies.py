@@ -30,6 +30,7 @@ from pointbrush.settings import Settings
 from pointbrush.web.problems import loggable
 from pointbrush.work.projects.copies import make_copy
 from pointbrush.work.studies import service
+from pointbrush.work.studies.files import StudyFiles
 from tests.serving import Served, add_sequence, serving, settings_in
 from tests.streaming.acting import run
 from tests.streaming.client import viewer
@@ -510,9 +511,18 @@ def test_a_study_is_a_text(people: list[Person], lead: Client, server: Served) -
     assert (again["id"], again["study"]) == ("two-halves", halves["study"])
     random = {"text": json.dumps(STUDY | {"order": "random"})}
     assert ask(lead, "PUT", "/two-halves", random)["study"]["order"] == "random"
-    (server.workspace.settings.workspace / "studies" / "two-halves.yaml").write_text("title: 3")
+    folder = server.workspace.settings.workspace / "studies"
+    (folder / "two-halves.yaml").write_text("title: 3")
     with pytest.raises(BadInputError, match=r"two-halves: title: .*string"):
         ask(lead, "GET")
+    (folder / "two-halves.yaml").write_bytes(halves["text"].encode("utf-16"))
+    (folder / "other.yaml").mkdir()
+    (folder / ".~lock.yaml").write_text("of an editor")
+    with pytest.raises(BadInputError, match="two-halves: expected YAML, got"):
+        ask(lead, "GET")
+    (folder / "other.yaml").rmdir()
+    assert ".~lock" not in StudyFiles(folder).ids()
+    (folder / ".~lock.yaml").unlink()
     changed = ask(lead, "PUT", "/two-halves", {"text": halves["text"]})
     assert changed["study"] == halves["study"]
     ask(lead, "DELETE", "/two-halves")

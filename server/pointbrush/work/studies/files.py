@@ -23,13 +23,14 @@ class StudyFiles:
 
     def ids(self) -> list[str]:
         """Return the ids of the studies."""
-        return sorted(each.stem for each in self._folder.glob(f"*{ENDING}"))
+        files = (each for each in self._folder.glob(f"*{ENDING}") if each.is_file())
+        return sorted(each.stem for each in files if is_plain(each.stem))
 
     def text(self, study: str) -> str:
         """Return the file of a study; raises NotFoundError."""
         try:
-            return self._path(study).read_text(encoding="utf-8")
-        except FileNotFoundError:
+            return self._path(study).read_text("utf-8-sig", "replace")
+        except (FileNotFoundError, IsADirectoryError):
             raise NotFoundError(f"study: expected a known id, got {study!r}") from None
 
     def read(self, study: str) -> Study:
