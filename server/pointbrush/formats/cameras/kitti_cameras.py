@@ -5,14 +5,13 @@ from __future__ import annotations
 import logging
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pointbrush.errors import BadInputError
-from pointbrush.formats.cameras.pictures import Camera, PictureSource, of_files
+from pointbrush.formats.cameras.pictures import Camera, PictureSource, of_files, projecting
 from pointbrush.formats.geometry.poses import rigid_of
 from pointbrush.formats.options import Limits
 from pointbrush.formats.times.matching import FrameName, partners
@@ -120,13 +119,6 @@ def _camera(name: str, matrices: Mapping[str, Floats]) -> Camera:
     )
     if P is None or P.shape != (3, 4):
         return Camera(name)
-    K = P[:, :3]
-    if abs(np.linalg.det(K)) < 1e-9:
+    if abs(np.linalg.det(P[:, :3])) < 1e-9:
         raise BadInputError(f"calibration: expected a projection P{number}, got a singular one")
-    T_cam_velo = camera_from_velodyne(matrices)
-    camera = Camera(name, K)
-    if T_cam_velo is None:
-        return camera
-    moved = np.eye(4)
-    moved[:3, 3] = np.linalg.solve(K, P[:, 3])
-    return replace(camera, T_camera_frame=moved @ T_cam_velo)
+    return projecting(name, P, camera_from_velodyne(matrices))

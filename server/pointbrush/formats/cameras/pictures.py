@@ -76,6 +76,13 @@ def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
     return Picture(frame, camera, content, ENDINGS[kind], width, height)
 
 
+def projecting(name: str, P: Matrix, T_camera_frame: Matrix | None) -> Camera:
+    """Return the camera of a projection P (3, 4), whose last column moves it from its place."""
+    K, moved = P[:, :3], np.eye(4)
+    moved[:3, 3] = np.linalg.solve(K, P[:, 3])
+    return Camera(name, K, None if T_camera_frame is None else moved @ T_camera_frame)
+
+
 def of_files(
     base: Path, rows: Sequence[Mapping[Camera, Path]], cameras: Sequence[Camera], limits: Limits
 ) -> PictureSource | None:

@@ -233,11 +233,8 @@ def _keyed(path: Path, keys: Sequence[str]) -> Pose | None:
 
 def pose_of(where: str, words: list[str]) -> Pose:
     """The pose of 12 or 16 numbers, by rows; raises BadInputError naming ``where``."""
-    try:
-        values = np.array([float(word) for word in words])
-    except ValueError:
-        values = np.empty(0)
-    if values.size not in (12, 16) or not np.isfinite(values).all():
+    values = _floats(where, words)
+    if values.size not in (12, 16):
         raise BadInputError(f"{where}: expected 12 numbers, got {len(words)} words")
     matrix = np.eye(4)
     matrix[:3] = values[:12].reshape(3, 4)

@@ -22,6 +22,7 @@ from pointbrush.formats.cameras.pictures import (
     Picture,
     PictureSource,
     picture,
+    projecting,
     readable,
 )
 from pointbrush.formats.ros.bag import Bag, BagMessage, Clouds, Topic
@@ -194,18 +195,8 @@ def _camera(bag: Bag, path: Path, topic: ImageTopic, place: Matrix | None) -> Ca
     except struct.error:
         raise cut_off(f"{path.name} {topic.info}", INFO, message) from None
     if _RECTIFIED.search(topic.images.name):
-        return _projecting(topic.name, P, place)
+        known = np.isfinite(P).all() and abs(np.linalg.det(P[:, :3])) >= SINGULAR
+        return projecting(topic.name, P, place) if known else Camera(topic.name, None, place)
     if not (np.isfinite(K).all() and np.isfinite(distortion).all() and K[0, 0]):
         return Camera(topic.name, None, place)
     return Camera(topic.name, K, place, tuple(distortion.tolist()), model or "plumb_bob")
-
-
-def _projecting(name: str, P: Matrix, place: Matrix | None) -> Camera:
-    """Return the camera with projection P (3, 4); its last column is a translation."""
-    if not np.isfinite(P).all() or abs(np.linalg.det(P[:, :3])) < SINGULAR:
-        return Camera(name, None, place)
-    if place is not None:
-        moved = np.eye(4)
-        moved[:3, 3] = np.linalg.solve(P[:, :3], P[:, 3])
-        place = moved @ place
-    return Camera(name, P[:, :3], place)

@@ -7,17 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.formats.writers.labeled import category_of
 from pointbrush.labels import Label
-
-
-def class_of(label: Label) -> str:
-    """Return the class of a label: its category, or its name if it has none."""
-    return label.category or label.name
 
 
 def classes_of(palette: Sequence[Label]) -> tuple[str, ...]:
     """Return the classes of a palette, in its order."""
-    return tuple(dict.fromkeys(class_of(label) for label in palette))
+    return tuple(dict.fromkeys(category_of(label) for label in palette))
 
 
 def label_of(name: str, palette: Sequence[Label]) -> Label | None:
@@ -25,7 +21,7 @@ def label_of(name: str, palette: Sequence[Label]) -> Label | None:
 
     A label with the name of the class has precedence, then labels that are not instances.
     """
-    of_class = [label for label in palette if class_of(label) == name]
+    of_class = [label for label in palette if category_of(label) == name]
     of_class.sort(key=lambda label: (label.name != name, bool(label.instance)))
     return of_class[0] if of_class else None
 
@@ -35,5 +31,5 @@ def numbers_of(palette: Sequence[Label], classes: Sequence[str]) -> NDArray[np.u
     table = np.zeros(1 << 16, np.uint8)
     places = {name: number for number, name in enumerate(classes, 1)}
     for label in palette:
-        table[label.id] = places.get(class_of(label), 0)
+        table[label.id] = places.get(category_of(label), 0)
     return table

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from pointbrush.formats.writers.labeled import category_of
 from pointbrush.labels import Label
 from pointbrush.labels.classes.palette import default_color, free_name_and_color
-from pointbrush.work.classifiers.naming import class_of
 from pointbrush.work.people.frames import PersonInFrame
 
 CLASSES = ("person", "pedestrian", "people", "human")
@@ -54,7 +54,7 @@ def join_frames(found: Sequence[Sequence[PersonInFrame]]) -> list[list[PersonInF
 
 def class_among(labels: Collection[Label], admits: Callable[[str], bool]) -> str:
     """Return the class of new labels of people: that of a palette, or one that it admits."""
-    known = {class_of(label).casefold(): class_of(label) for label in labels}
+    known = {category_of(label).casefold(): category_of(label) for label in labels}
     used = [known[name] for name in CLASSES if name in known]
     return next((name for name in (*used, *CLASSES) if admits(name)), CLASSES[0])
 
@@ -67,7 +67,7 @@ def name_people(
 
     Ids of new labels are 0.
     """
-    known = {label.id: label for label in palette if class_of(label).casefold() in CLASSES}
+    known = {label.id: label for label in palette if category_of(label).casefold() in CLASSES}
     category, others, found = class_among(palette, admits), list(palette), list[NamedPerson]()
     taken: set[int] = set()
     for seen in people:
