@@ -61,17 +61,20 @@ def class_among(labels: Collection[Label], admits: Callable[[str], bool]) -> str
 
 def name_people(
     people: Sequence[Sequence[PersonInFrame]], palette: Sequence[Label], labels_of: LabelsOf,
-    admits: Callable[[str], bool],
+    admits: Callable[[str], bool], used: Collection[int],
 ) -> list[NamedPerson]:  # fmt: skip
-    """Return people with their labels: one that most of their points have, or a new one.
+    """Return people with their labels.
 
-    Ids of new labels are 0.
+    A person gets the label that most of their points have, else a label of people that is not in
+    ``used``, the labels with points, else a new one.  Ids of new labels are 0.
     """
     known = {label.id: label for label in palette if category_of(label).casefold() in CLASSES}
     category, others, found = class_among(palette, admits), list(palette), list[NamedPerson]()
+    free = {i for i, label in known.items() if label.visible and not label.locked} - set(used)
     taken: set[int] = set()
     for seen in people:
-        label = known.get(_usual(seen, labels_of, set(known) - taken))
+        number = _usual(seen, labels_of, set(known) - taken)
+        label = known.get(number or min(free - taken, default=0))
         if label is None:
             fields = {"name": f"{category} 1", "color": default_color(len(others) + 1)}
             new = Label(0, category=category, **free_name_and_color(fields, others))

@@ -176,7 +176,9 @@ def _named(
         return store.values(sequence, frame).label[numbers]
 
     people = sorted(join_frames(list(found)), key=lambda seen: seen[0].depth)
-    return name_people(people, labels, labels_of, palette.admits if palette else lambda _: True)
+    used = {label for _, label in store.counts(sequence)}
+    admits = palette.admits if palette else lambda _: True
+    return name_people(people, labels, labels_of, admits, used)
 
 
 def _writes(people: Iterable[NamedPerson]) -> Iterator[tuple[int, Write]]:
