@@ -87,8 +87,8 @@ function Class({ name, place, all, own, doubts }: ClassProps) {
       <b class="number">{all && own ? percent(own.points / Math.max(1, all.points)) : '–'}</b>
       {place < 9 && <span class="kbd">{place + 1}</span>}
       <span class="facts soft small">
-        {tested && tested.accuracy !== null ? `${percent(tested.accuracy)} right where tested` : 'accuracy not measured yet'}
-        {' · '}{tested ? plural(tested.places, 'painted place') : plural(examples[name] ?? 0, 'example')}
+        {tested && tested.accuracy !== null ? `expected accuracy ${percent(tested.accuracy)}` : 'accuracy not measured yet'}
+        {' · '}{tested?.places ? plural(tested.places, 'painted place') : plural(examples[name] ?? 0, 'example')}
         {doubts !== undefined && ` · ${plural(doubts, 'doubt')}`}
       </span>
     </button>
