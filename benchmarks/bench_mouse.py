@@ -142,7 +142,7 @@ class Person:
             hand.tool(stroke.tool, "brush", "b")
             hand.size(stroke.radius * scale)
             if stroke.tool == "paint":
-                hand.check("Only unlabeled", on=stroke.only_unlabeled)
+                hand.check("Only unlabelled", on=stroke.only_unlabeled)
             hand.drag(stroke.path * scale)
 
     def by_object(self, frame: int, label: int) -> None:
@@ -186,7 +186,7 @@ class Person:
         seen = np.array([hand.desk.place(place) for place in shown])
         hand.choose(label)
         hand.tool("paint", "lasso", "o")
-        hand.check("Only unlabeled", on=True)
+        hand.check("Only unlabelled", on=True)
         corners = seen[ConvexHull(seen).vertices]
         away = corners - seen.mean(axis=0)
         hand.outline(corners + LASSO_MARGIN * away / np.linalg.norm(away, axis=1, keepdims=True))
@@ -198,7 +198,7 @@ class Person:
         hand.choose(label)
         hand.tool("paint", "plane", "g")
         hand.size(REACH)
-        hand.check("Only unlabeled", on=True)
+        hand.check("Only unlabelled", on=True)
         for _ in range(MOST_CLICKS):
             now = hand.labels(frame)
             if overlap(truth, now).get(label, 1.0) >= GOAL:

@@ -98,7 +98,7 @@ def test_deletes_restores_and_paints_only_what_has_no_label(
     headset.reach(truth(0, PERSON))
     press(headset)
     first = counts(server)[1]
-    headset.click("palette", "Only unlabeled points")
+    headset.click("palette", "Only unlabelled points")
     headset.ask("(pb.state.activeLabel.value = 2)")
     headset.set_radius(0.12)
     headset.reach(truth(0, PERSON))

@@ -154,7 +154,7 @@ function ApplyForm() {
     <form onSubmit={submit}>
       <h2>Turn the prediction into labels</h2>
       <RadioGroup label="Frames" options={choices} value={reach.value} onChoose={(chosen) => (reach.value = chosen)} />
-      <Slider label="Minimum confidence" value={least} min={0} max={1} shown={percent(least)} tip="Points with a lower confidence stay unlabeled" onInput={(value) => (chosenLeast.value = value)} />
+      <Slider label="Minimum confidence" value={least} min={0} max={1} shown={percent(least)} tip="Points with a lower confidence stay unlabelled" onInput={(value) => (chosenLeast.value = value)} />
       <Summary least={least} whole={reach.value === 'frame'} />
       <div class="form-end">
         <Button label="Cancel" onClick={() => (applyOpen.value = false)} />

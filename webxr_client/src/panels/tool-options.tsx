@@ -130,7 +130,7 @@ function BrushOptions() {
       )}
       {sparesLabels(state.tool.value) && way.name !== 'object' && (
         <Check
-          label="Only unlabeled"
+          label="Only unlabelled"
           tip="Labelled points keep their label"
           checked={brush.onlyUnlabeled}
           onChange={(onlyUnlabeled) => patch(state.brush, { onlyUnlabeled })}

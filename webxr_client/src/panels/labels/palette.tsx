@@ -151,13 +151,13 @@ function Unlabeled() {
   return (
     <div class="unlabeled">
       <span class="swatch" />
-      <span class="name">Unlabeled</span>
+      <span class="name">Unlabelled</span>
       <span class="number faint" data-tip={`${plural(left, 'point')} of this frame`}>
         {count(left)}
       </span>
       <Button
         icon={hideUnlabeled ? 'hidden' : 'eye'}
-        tip={hideUnlabeled ? 'Show unlabeled points' : 'Hide unlabeled points'}
+        tip={hideUnlabeled ? 'Show unlabelled points' : 'Hide unlabelled points'}
         small
         pressed={hideUnlabeled}
         onClick={() => actions.view.setView({ hideUnlabeled: !hideUnlabeled })}

@@ -198,7 +198,7 @@ function Hovered({ hover }: { hover: Hover }) {
   return (
     <span>
       {label && <Swatch color={label.color} />}
-      {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabeled')}
+      {label?.name ?? (hover.label === DELETED ? 'Deleted' : 'Unlabelled')}
       <span class="soft">
         {!orthographic.value && metres(hover.distance)}
         {brush ? ` · ${plural(hover.points, 'point')} in the brush` : ''}

@@ -109,7 +109,7 @@ export class EditPage {
   private drawQuestion(ui: Ui, x: number, top: number, inner: number, label: Label): void {
     const { em } = ui;
     const [inFrame, all] = lossOf(label.id);
-    const lines = ['Delete this label?', inFrame, all, 'will be unlabeled. This can be undone.'];
+    const lines = ['Delete this label?', inFrame, all, 'will be unlabelled. This can be undone.'];
     lines.forEach((line, i) => {
       ui.text(line, x + em * 0.4, top + em * (4 + 1.6 * i), { color: INK.quiet });
     });

@@ -87,7 +87,7 @@ function checksOf(way: Way): readonly CheckRow[] {
   const offers: CheckRow = ['Offer objects after strokes', complete, (on) => patch(state.brush, { complete: on })]; // prettier-ignore
   const passes: CheckRow = ['Ray goes through', through, (on) => patch(state.brush, { through: on })]; // prettier-ignore
   return [
-    ['Only unlabeled points', onlyUnlabeled, (on) => patch(state.brush, { onlyUnlabeled: on })],
+    ['Only unlabelled points', onlyUnlabeled, (on) => patch(state.brush, { onlyUnlabeled: on })],
     ...(way.samples === 'path' ? [offers] : []),
     way.through ? passes : stops,
   ];
