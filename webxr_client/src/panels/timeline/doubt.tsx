@@ -58,26 +58,9 @@ function OfStretch({ found }: { found: Stretch }) {
       <span class="number" data-tip={plural(stop - start + 1, 'doubtful frame')}>
         {start === stop ? `Frame ${start}` : `Frames ${start} – ${stop}`}
       </span>
-      {canReview.value && (start < stop || unsure.value.length === 0) && (
-        <Button
-          icon="check"
-          tip={`Confirm ${frames} as correct`}
-          small
-          onClick={() => void actions.tracking.acceptStretch()}
-        />
-      )}
-      <Button
-        icon="trash"
-        tip={`Clear the tracked labels in ${frames}`}
-        small
-        onClick={() => void actions.tracking.clearStretch()}
-      />
-      <Button
-        icon="track"
-        tip={`Track ${frames} again from the nearest certain frame`}
-        small
-        onClick={() => actions.tracking.trackStretch()}
-      />
+      {canReview.value && (start < stop || unsure.value.length === 0) && <Button icon="check" tip={`Confirm ${frames} as correct`} small onClick={() => void actions.tracking.acceptStretch()} />}
+      <Button icon="trash" tip={`Clear the tracked labels in ${frames}`} small onClick={() => void actions.tracking.clearStretch()} />
+      <Button icon="track" tip={`Track ${frames} again from the nearest certain frame`} small onClick={() => actions.tracking.trackStretch()} />
     </span>
-  );
+  ); // prettier-ignore
 }
