@@ -100,6 +100,8 @@ export const state = {
   hover: signal<Hover | null>(null),
   /** Candidate that the object tool offers or has taken; null when nothing. */
   object: signal<ObjectView | null>(null),
+  /** The first answer for a place is still to come. */
+  objectAsked: signal(false),
   view: signal<ViewSettings>({
     surface: 'auto',
     color: 'rgb',

@@ -68,10 +68,12 @@ describe('the object tool', () => {
     state.connection.value = { ...state.connection.value, state: 'online' };
     tool.hover(at(0.1));
     expect(tool.waits).toBe(true);
+    expect(state.objectAsked.value).toBe(true);
     state.connection.value = { ...state.connection.value, state: 'offline' };
     expect(tool.waits).toBe(false);
     state.connection.value = { ...state.connection.value, state: 'online' };
     tool.onCandidates(answer(asks()[0]!, []));
+    expect(state.objectAsked.value).toBe(false);
     tool.hover(at(0.3));
     expect(tool.waits).toBe(false);
   });

@@ -202,6 +202,7 @@ export class ObjectTool {
   restart(): void {
     this.pending = null;
     this.waiting = null;
+    state.objectAsked.value = false;
   }
 
   // ── the server's messages ──────────────────────────────────────────────────────────────────
@@ -292,6 +293,7 @@ export class ObjectTool {
       previous,
     };
     this.deps.send(message);
+    state.objectAsked.value = this.waits;
   }
 
   private take(offer: Offer): void {
@@ -373,6 +375,7 @@ export class ObjectTool {
   private publishState(): void {
     const { offer } = this;
     const [shown, taken] = [offer?.candidates[offer.level], this.taken !== null];
+    state.objectAsked.value = false;
     state.object.value = offer && {
       levels: offer.candidates.length,
       level: offer.level,

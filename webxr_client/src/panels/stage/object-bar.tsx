@@ -8,6 +8,7 @@ import { Button } from '../parts/controls';
 import { plural } from '../../common/format';
 import { Icon } from '../../common/icons';
 
+const ASKED = 'Looking for an object…';
 const NOTHING = 'No object here';
 const POINT = 'Point at an object and click it';
 
@@ -28,7 +29,7 @@ export function ObjectBar() {
 }
 
 function Hint({ object }: { object: ObjectView | null }) {
-  const waits = preparation();
+  const waits = preparation() ?? (state.objectAsked.value ? ASKED : null);
   if (waits === null) return <span>{object ? NOTHING : POINT}</span>;
   return (
     <span>
