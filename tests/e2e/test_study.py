@@ -238,7 +238,9 @@ def test_a_participant_without_controllers(
         worn.lay_down_controllers()
         worn.click("added", "Begin")
         shown(worn)
-        worn.paint([target(server)])
+        worn.hand_to("right", worn.ask(f"hs.place({target(server)})"))
+        worn.trigger(1)
+        worn.trigger(0)
     else:
         eyes_alone(worn)
         look = Input(worn, "look", "transient-pointer", "right")

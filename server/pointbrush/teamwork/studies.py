@@ -17,7 +17,12 @@ from pointbrush.database.schema import jobs, sequences
 from pointbrush.database.statements import Statement
 from pointbrush.database.study_tables import study_log, study_participants
 from pointbrush.errors import BadInputError, ConflictError, NotFoundError, TooLargeError
-from pointbrush.values.study import LONGEST_LOG, MOST_PARTICIPANTS, ParticipantState
+from pointbrush.values.study import (
+    LONGEST_LOG,
+    MOST_PARTICIPANTS,
+    MOST_RECORDS,
+    ParticipantState,
+)
 
 Record = dict[str, Any]
 """A record of a log as JSON."""
@@ -203,9 +208,9 @@ class Studies:
                     f"log: expected record {end} next, got {first}: records {end} to {first - 1} "
                     "are missing"
                 )
-            stored = _records(connection, account, first) if first < end else []
-            for number, (own, other) in enumerate(zip(stored, given, strict=False), first):
-                if own != other:
+            known = _records(connection, account, first) if first < end else []
+            for number, (own, other) in enumerate(zip(known, given, strict=False), first):
+                if own != other | {"received": own["received"]}:
                     raise ConflictError(f"log: record {number} is stored with other content")
             fresh, following = given[end - first :], max(end, first + len(given))
             if following > LONGEST_LOG:
@@ -220,12 +225,8 @@ class Studies:
 
     def log(self, account: str) -> list[Record]:
         """Return all records, each with ``received``, the time of its receipt by the server."""
-        query = select(study_log).where(study_log.c.participant == account)
         with self._database.read() as connection:
-            rows = connection.execute(query.order_by(study_log.c.first)).all()
-        return [
-            record | {"received": row.received} for row in rows for record in _unpack(row.records)
-        ]
+            return _records(connection, account, 0)
 
     def erase(self, account: str) -> None:
         """Remove the rows of a participant, except labels; see ``Recordings.erase`` for these."""
@@ -258,16 +259,15 @@ def _change(connection: Connection, account: str, **values: Any) -> None:
 
 
 def _records(connection: Connection, account: str, first: int) -> list[Record]:
-    """Return the stored records from ``first`` on, reading the last ones first."""
-    columns, found = study_log.c, list[Record]()
-    query = select(columns.first, columns.records).where(columns.participant == account)
-    for row in connection.execute(query.order_by(columns.first.desc())):
-        found[:0] = _unpack(row.records)
-        if row.first <= first:
-            return found[first - row.first :]
-    return found
-
-
-def _unpack(data: bytes) -> list[Record]:
-    found: list[Record] = json.loads(zlib.decompress(data))
-    return found
+    """Return the stored records from ``first`` on, each with the time of its receipt."""
+    columns = study_log.c
+    query = select(study_log).where(
+        columns.participant == account,
+        columns.first > first - MOST_RECORDS,  # a row has at most so many
+    )
+    return [
+        record | {"received": row.received}
+        for row in connection.execute(query.order_by(columns.first))
+        for number, record in enumerate(json.loads(zlib.decompress(row.records)), row.first)
+        if number >= first
+    ]
