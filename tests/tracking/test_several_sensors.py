@@ -14,6 +14,7 @@ from views import OPTIONS, box
 from pointbrush.tracking.model.track import OtherMovers, begin
 from pointbrush.tracking.sensors.sights import find_lenses
 from pointbrush.tracking.sensors.view import View
+from pointbrush.tracking.steps.predict import target_of
 
 FRONT = scenes.Sensor(192, 168, 130.0, origin=np.array([0.0, 1.0, 0.0]))
 SIDE = scenes.Sensor(
@@ -120,6 +121,15 @@ def test_pixels_beside_a_picture_belong_to_no_other_camera() -> None:
         assert ((own >= cells.start) & (own < cells.stop)).all()
         image = view.depth[cells].reshape(-1, view.image_shape[1])
         assert np.isnan(image[[0, -1]]).all()
+
+
+def test_another_camera_makes_the_fitted_points_no_sparser() -> None:
+    def fitted(view: View) -> int:
+        xyz = target_of(view, np.arange(len(view.xyz)), weight=0.0).xyz.astype(np.float32)
+        front = view.xyz[view.frame.sensor == 0]
+        return len(set(map(bytes, xyz)) & set(map(bytes, front)))
+
+    assert fitted(view_of(FRONT, SIDE)) > 0.9 * fitted(view_of(FRONT))
 
 
 def passing(count: int) -> list[list[scenes.Part]]:

@@ -14,7 +14,7 @@ class SearchOptions(Options):
 
     coarse_points: PositiveInt = 120  # model points that a hypothesis is judged by
     fine_points: PositiveInt = 400  # model points of the last iterations
-    target_points: PositiveInt = 1200  # points of the frame at most that a model is fitted to
+    target_points: PositiveInt = 1200  # points of a sensor at most that a model is fitted to
     min_moving_points: int = 5  # moving points under which nothing is there
     radii: float = 1.5  # radii around the predictions that are searched
     radii_unknown_motion: float = 0.6  # radii added while no motion is known
@@ -242,7 +242,7 @@ class ContextOptions(Options):
     beside_radii: float = 0.5  # radii about an object within which unlabelled surface is beside it
     beside_units: float = 4.0  # units likewise
     # Without: 3 pins -.034.
-    max_points: PositiveInt = 1000  # unlabelled points kept beside an object
+    max_points: PositiveInt = 1000  # unlabelled points of a sensor kept beside an object
 
 
 @dataclass(frozen=True, slots=True)

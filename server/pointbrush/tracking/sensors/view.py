@@ -112,6 +112,13 @@ class View:
             return [np.ones(len(self.xyz), np.bool_)]
         return [self.frame.sensor == number for number in np.unique(self.frame.sensor)]
 
+    def per_sensor(self, count: int) -> int:
+        """Return a maximum number of points, given the ``count`` of one sensor.
+
+        The same surface has more points with several sensors; a sample of as few would be sparse.
+        """
+        return count * max(1, len(self.points_by_sensor))
+
     def eyes_of(self, points: I64) -> F64 | None:
         """Return positions (1, 3) or (M, 3) of the sensors of some points; None: unknown."""
         if self.frame.sensor is None:

@@ -97,7 +97,8 @@ def set_other_movers(track: Track, view: View, indices: I64, box: tuple[F64, F64
     Missed points of the object itself are excluded: points with colours that only it has, or that
     are far more common in it.
     """
-    some = indices[:: max(1, -(-len(indices) // track.options.context.max_points))]
+    most = view.per_sensor(track.options.context.max_points)
+    some = indices[:: max(1, -(-len(indices) // most))]
     colour = view.colour(some)
     if track.has_colour_key and len(some):
         others = ~(track.appearance.overrepresented(colour) | track.distinct(colour))

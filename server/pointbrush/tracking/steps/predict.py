@@ -197,8 +197,8 @@ def search_among(track: Track, view: View, points: I64) -> Search:
 
 
 def target_of(view: View, indices: I64, weight: float, most: int | None = None) -> Target:
-    """Return a uniform sample of at most ``most`` points as a target of registration."""
-    most = most or view.options.search.target_points
+    """Return a uniform sample of at most ``most`` points a sensor as a target of registration."""
+    most = view.per_sensor(most or view.options.search.target_points)
     some = indices[:: max(1, -(-len(indices) // most))]
     return Target(view.xyz[some].astype(np.float64), view.colour(some), weight)
 
