@@ -196,7 +196,8 @@ class Participant(Complete):
     count: int
     """Number of steps."""
     kind: StepKind
-    """Kind of the current step."""
+    """Kind of the current step: `consent`, `instructions`, `practice`, `task`, `questionnaire`,
+    `pause`, or `done`."""
     task: str | None
     """Task of the current step; null: none."""
     sequence: str | None

@@ -1019,7 +1019,7 @@ export interface Participant {
   readonly step: number;
   /** Number of steps. */
   readonly count: number;
-  /** Kind of the current step. */
+  /** Kind of the current step: `consent`, `instructions`, `practice`, `task`, `questionnaire`, `pause`, or `done`. */
   readonly kind: 'consent' | 'instructions' | 'practice' | 'task' | 'questionnaire' | 'pause' | 'done';
   /** Task of the current step; null: none. */
   readonly task: string | null;

@@ -6,7 +6,7 @@ import type { PointerSample, Vec } from '../store/types';
 import type { CloudFrame } from '../cloud/points/frame';
 import { PREVIEW } from '../cloud/picture/palette';
 import { DELETED } from '../cloud/points/piece';
-import type { Ask, Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
+import type { Brush, Candidates, ClientMessage, Sample } from '../protocol/messages';
 import { numbersOf } from '../protocol/codec';
 import { Listeners } from '../store/listeners';
 import { state } from '../store/state';
@@ -283,16 +283,16 @@ export class ObjectTool {
     if (!frame || !brush) return;
     const id = crypto.randomUUID();
     this.pending = { id, frame, brush, purpose, like, previous, positives, negatives };
-    const message: Ask = {
+    const [samples, without] = [[...positives], [...negatives]];
+    this.deps.send({
       type: 'ask',
       id,
       frame: frame.index,
       brush,
-      samples: [...positives],
-      negatives: [...negatives],
+      samples,
+      negatives: without,
       previous,
-    };
-    this.deps.send(message);
+    });
     state.objectAsked.value = this.waits;
   }
 
