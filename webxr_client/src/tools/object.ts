@@ -13,6 +13,14 @@ import { state } from '../store/state';
 import { sourceSample } from './path';
 import { preparation } from './preparation';
 import { mostLike, samePlace } from './likeness';
+import {
+  shownOf,
+  type Clicks,
+  type Offer,
+  type Purpose,
+  type Question,
+  type TakenObject,
+} from './offers';
 import type { Strokes } from './strokes';
 
 /** Overlay of the points that a click would take. */
@@ -33,46 +41,6 @@ export interface ObjectDeps {
   /** Called when the picture must be drawn again. */
   readonly changed: () => void;
   readonly later: (run: () => void, milliseconds: number) => () => void;
-}
-
-type Purpose = 'hover' | 'take' | 'complete';
-
-interface Clicks {
-  readonly positives: readonly Sample[];
-  readonly negatives: readonly Sample[];
-}
-
-interface Question extends Clicks {
-  readonly id: string;
-  readonly frame: CloudFrame;
-  readonly brush: Brush;
-  readonly purpose: Purpose;
-  /** Candidate that the clicks refine, or ''. */
-  readonly previous: string;
-  /** Points shown during the question: the most similar level is chosen; null: the server's choice. */
-  readonly like: Uint32Array | null;
-}
-
-interface Offer {
-  readonly question: Question;
-  readonly candidates: readonly { readonly id: string; readonly indices: Uint32Array }[];
-  /** The whole frame is prepared: the next question is answered from it. */
-  ready: boolean;
-  level: number;
-  /** A person has chosen the level. */
-  chosen: boolean;
-}
-
-/** An object that was taken, and is refined by further clicks. */
-interface TakenObject extends Clicks {
-  readonly frame: CloudFrame;
-  /** The stroke that took it: the next one takes its place. */
-  readonly edit: string;
-  readonly candidate: string;
-  /** Candidate that its last click refined, or '': its levels are offered again by it. */
-  readonly previous: string;
-  /** Tool that took it, which also refines it, independent of the current tool. */
-  readonly brush: Brush;
 }
 
 export class ObjectTool {
@@ -396,8 +364,4 @@ export class ObjectTool {
   private dropOverlay(): void {
     this.offer?.question.frame.dropOverlay(OVERLAY);
   }
-}
-
-function shownOf({ candidates, level }: Offer): Uint32Array | null {
-  return candidates[level]?.indices ?? null;
 }
