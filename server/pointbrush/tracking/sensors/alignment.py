@@ -2,7 +2,8 @@
 
 Each sensor but the first is moved so that its surfaces fall on those of all others, in several
 frames at once: robust least squares of distances from points to planes (Chen and Medioni 1992),
-with the pairs of points renewed in each round (Besl and McKay 1992).
+with the pairs of points renewed in each round (Besl and McKay 1992).  Pairs become shorter from
+round to round; as this can end too early, the rounds are repeated until the mounts are settled.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ class AlignmentOptions:
     alike_cos: float = 0.75  # least cosine between the normals of a pair
     reach_cells: tuple[float, float] = (10.0, 2.0)  # longest pairs of the first and last rounds
     rounds: int = 25
+    sweeps: int = 4  # times that all rounds are repeated at most, from the longest pairs on
+    settled: float = 1e-3  # change of the mounts in a sweep, metres and radians, that is the last
     robust: float = 2.5  # standard deviations at which a pair has no weight
     least_pairs: int = 300  # pairs of a sensor in all frames, below which nothing overlaps
     correlated: float = 8.0  # ratio of the error of a correction to that of independent pairs
@@ -222,8 +225,12 @@ def align_mounts(
     first, last = (cells * size for cells in options.reach_cells)
     before = found.residuals(first)
     _require_overlap(found, first, names)
-    for reach in np.geomspace(first, last, options.rounds):
-        H, variance = found.step(float(reach))
+    for _ in range(options.sweeps):
+        earlier = dict(found.T)
+        for reach in np.geomspace(first, last, options.rounds):
+            H, variance = found.step(float(reach))
+        if max(np.abs(found.T[n] - earlier[n]).max() for n in found.T) < options.settled:
+            break
     after = found.residuals(first)
     _require_determined(found, H, float(variance), names)
     corrections = [
