@@ -12,7 +12,7 @@ import { notify, state, type TimelineRow } from '../store/state';
 export const followsObject = signal(false);
 
 /** An object takes about this part of the picture's height. */
-const SHARE = 0.35;
+const SHARE = 0.25;
 /** The least radius of a target, metres. */
 const SMALLEST = 0.05;
 

@@ -34,7 +34,7 @@ export function WorkPanel() {
   return (
     <>
       <header class="panel-head line spread">
-        <h2 class="name">{project.value?.name ?? 'Work'}</h2>
+        <h2 class="name">{project.value ? `Project ${project.value.name}` : 'Work'}</h2>
         <Button icon="close" tip="Close the panel" small onClick={close} />
       </header>
       <Tabs

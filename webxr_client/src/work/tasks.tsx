@@ -41,7 +41,7 @@ function Own() {
       <div class="line wrap">
         <Button
           label={begun ? 'Hand in, next task' : 'Next task'}
-          kind="primary"
+          kind={queue.tasks.value.length > 0 ? 'primary' : 'outlined'}
           keys="Shift N"
           tip="Hand in the task of this recording and open the next task"
           onClick={() => void queue.nextTask()}

@@ -192,7 +192,7 @@ void main() {
   if (colourMode == 0) {
     base = colour.rgb;
     // A lidar's point that no camera saw has the colour 0, 0, 0: its intensity stands in.
-    if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(colour.a));
+    if (hasIntensity != 0 && base == vec3(0.0)) base = vec3(0.22 + 0.6 * sqrt(lightness()));
   }
   else if (colourMode == 5) base = colour.rgb;
   else if (colourMode == 1) base = ramp(colour.a * intensityFit.x + intensityFit.y);
