@@ -8,7 +8,13 @@ import { projects } from '../engine/recordings/projects';
 import { recordingRow } from '../store/testing';
 
 function open(frames: number): void {
-  state.sequence.value = { id: 'one', frames, fields: ['rgb'] } as unknown as SequenceInfo;
+  state.sequence.value = {
+    id: 'one',
+    frames,
+    fields: ['rgb'],
+    sensors: [],
+    lattice: null,
+  } as unknown as SequenceInfo;
 }
 
 beforeEach(() => {

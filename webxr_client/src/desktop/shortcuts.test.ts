@@ -37,7 +37,13 @@ describe('keys of one’s own', () => {
   });
 
   it('are told wherever the key is', () => {
-    state.sequence.value = { id: 'one', frames: 2, fields: [] } as never;
+    state.sequence.value = {
+      id: 'one',
+      frames: 2,
+      fields: [],
+      sensors: [],
+      lattice: null,
+    } as never;
     setKey('Undo', 'ctrl+shift+u');
     expect(commandsNow().find(({ what }) => what === 'Undo')?.shown).toBe('Ctrl Shift U');
     expect(renamedKeys.value.get('Ctrl Z')).toBe('Ctrl Shift U');
