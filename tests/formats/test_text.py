@@ -136,7 +136,7 @@ def test_points_of_all_scans_of_a_file_are_read(tmp_path: Path, counts: tuple[in
     [
         ("", "empty"),
         ("# only a comment\n", "lines of numbers"),
-        ("Dear diary\n1 2 3\n", "header with x, y and z, got 'Dear diary'"),
+        ("Dear diary\n1 2 3\n", "header with x, y and z, got a first line of other"),
         ("1 2\n3 4\n", "3 columns"),
         ("1 2 3\n4 5\n", "line 2"),
         ("1 2 3\n4 5 six\n", "line 2: expected a number, got another word"),

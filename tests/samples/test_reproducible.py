@@ -41,7 +41,7 @@ HASHES: Mapping[str, str] = {
     "3-pins": "ac8cfeaa090b247d",
     "tabletop": "ac67ab52fce618fb",
     "walking": "4d8f580bfd00c0eb",
-    "stage": "e158eb8385313ed4",
+    "stage": "63de89a2ecaa8f15",
     "aerial": "dd276f2fee4a2bba",
     "room": "9b9c750107d8b422",
     "home": "491f3fdfb4f0458b",

@@ -222,7 +222,7 @@ def require_inside(stored: StoredFrame, manifest: Manifest) -> None:
     [
         ([np.eye(4)] * 2, "one for each of 3 sensors"),
         ([np.eye(4), np.eye(4), np.diag([2.0, 2, 2, 1])], "correction of top: expected a rotation"),
-        ([np.eye(4), np.full((4, 4), np.nan), np.eye(4)], "correction of right: expected a finite"),
+        ([np.eye(4), np.full((4, 4), np.nan), np.eye(4)], "correction of right: expected numbers"),
         ([np.eye(4), np.eye(3), np.eye(4)], "correction of right: expected 16 numbers"),
     ],
 )

@@ -100,7 +100,7 @@ def read_ply(path: Path, options: ReadOptions) -> Iterator[PointFrame]:
 def parse_header(name: str, data: bytes) -> Header:
     """The header of a PLY file; raises BadInputError naming the line that is wrong."""
     if not data.startswith(b"ply"):
-        raise BadInputError(f"{name}: expected a PLY file starting with 'ply', got {data[:8]!r}")
+        raise BadInputError(f"{name}: expected a PLY file starting with 'ply', got other bytes")
     start = data.find(b"end_header", 0, MAX_HEADER)
     if start < 0:
         raise BadInputError(f"{name}: expected 'end_header', the file is cut off in its header")

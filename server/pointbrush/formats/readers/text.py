@@ -41,8 +41,6 @@ FRAMES = ("frame", "frame_id", "frame_index", "frame_number", "frame_no", "frame
 """Names of columns that number the frames of a table."""
 LEAST_POINTS = 2
 """Least mean number of points of a frame for a column of frame numbers."""
-SHOWN = 40
-"""Characters of a wrong header that a message shows."""
 ECHO_START = "header:"
 ECHOED = "messages as 'rostopic echo' prints them; import their bag, or a table of their points"
 EXACT = 2.0**53
@@ -198,7 +196,7 @@ def _layout(name: str, lines: list[str], numbers: list[int], chosen: Corrections
     if not named:
         raise BadInputError(
             f"{name}: expected numbers, or a header with x, y and z, got "
-            + (ECHOED if header == [ECHO_START] else repr(" ".join(header or ())[:SHOWN]))
+            + (ECHOED if header == [ECHO_START] else "a first line of other words")
         )
     _name_units(header or (), chosen)
     comma = chosen.decimal_comma
