@@ -60,7 +60,8 @@ class Tally:
         try:
             yield
         except AssertionError as error:
-            self.count(count, str(error) or repr(error))
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            self.count(count, str(error) or f"{last.filename}, line {last.lineno}: {last.line}")
 
     def count(self, count: str, note: str) -> None:
         """Count one thing that must not be."""
