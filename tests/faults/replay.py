@@ -61,6 +61,16 @@ class Replay:
         self.revision = 0
         self.edits = self.runs = 0
 
+    def check(self, api: httpx.Client, people: list[Person]) -> None:
+        """Catch up and compare; again if a resumed run was committed meanwhile."""
+        while True:
+            self.catch_up(api, people)
+            try:
+                return self.compare(api)
+            except AssertionError:
+                if not self._rows(api):
+                    raise
+
     # ── the journal against what was asked ──
 
     def catch_up(self, api: httpx.Client, people: list[Person]) -> None:
@@ -221,11 +231,12 @@ class Replay:
                 )
         labels = api.get(f"{base}/labels").raise_for_status().json()
         palette = {n: (f["name"], f["locked"]) for n, f in self.model.palette().items()}
-        assert {label["id"]: (label["name"], label["locked"]) for label in labels} == palette
+        shown_labels = {label["id"]: (label["name"], label["locked"]) for label in labels}
+        assert shown_labels == palette, f"expected {palette}, the server shows {shown_labels}"
         shown_tracks = api.get(f"{base}/tracks").raise_for_status().json()
-        assert {(t["frame"], t["label"]): t["points"] for t in shown_tracks} == {
-            place: track["points"] for place, track in self.model.tracks().items()
-        }
+        shown = {(t["frame"], t["label"]): t["points"] for t in shown_tracks}
+        expected = {place: track["points"] for place, track in self.model.tracks().items()}
+        assert shown == expected, f"tracks: expected {expected}, the server shows {shown}"
 
 
 def swept(xyz: NDArray[np.float64], stroke: dict[str, Any]) -> NDArray[np.int64]:
