@@ -6,8 +6,6 @@ import random
 import threading
 import time
 import uuid
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -204,34 +202,30 @@ class SocketTalk(RestTalk):
     def __init__(self, url: str, token: str, name: str = "") -> None:
         """``name``: who this is, where the token does not say it."""
         super().__init__(url, token)
-        with broken_as_closed():
-            self.socket: ClientConnection = connect(
-                url.replace("http", "ws", 1) + "/api/v1/stream",
-                additional_headers={"Authorization": f"Bearer {token}"},
-                subprotocols=[subprotocol()],  # type: ignore[list-item]
-                max_size=None,
-                compression=None,
-                close_timeout=0.2,
-            )
+        self.socket: ClientConnection = connect(
+            url.replace("http", "ws", 1) + "/api/v1/stream",
+            additional_headers={"Authorization": f"Bearer {token}"},
+            subprotocols=[subprotocol()],  # type: ignore[list-item]
+            max_size=None,
+            compression=None,
+            close_timeout=0.2,
+        )
         self.send(type="hello", name=name)
         self.until("welcome")
         self.send(type="open", sequence=SEQUENCE)
         self.until("sequence")
 
     def __exit__(self, *_: object) -> None:
-        with broken_as_closed():
-            self.socket.close()
+        self.socket.close()
         super().__exit__()
 
     def send(self, **message: Any) -> None:
-        with broken_as_closed():
-            self.socket.send(msgpack.packb(message))
+        self.socket.send(msgpack.packb(message))
 
     def until(self, kind: str, about: str | None = None) -> dict[str, Any]:
         """The message of this type (and final, about this id); raises RefusedError."""
         while True:
-            with broken_as_closed():
-                data = self.socket.recv(timeout=PATIENCE)
+            data = self.socket.recv(timeout=PATIENCE)
             message: dict[str, Any] = msgpack.unpackb(data)
             if message["type"] == "frame":
                 self.send(type="credit", frames=1)
@@ -258,18 +252,6 @@ class SocketTalk(RestTalk):
             self.send(type="stroke_samples", id=edit["id"], samples=[sample])
         self.send(type="stroke_end", id=edit["id"])
         return self.until("stroke_result", edit["id"])
-
-
-@contextmanager
-def broken_as_closed() -> Iterator[None]:
-    """Raise WebSocketException for a failed assertion of websockets.
-
-    Its threads race for the state of a connection whose server is killed.
-    """
-    try:
-        yield
-    except AssertionError as error:
-        raise WebSocketException("the connection broke") from error
 
 
 def done(message: dict[str, Any], about: str) -> bool:
