@@ -225,8 +225,7 @@ class SocketTalk(RestTalk):
     def until(self, kind: str, about: str | None = None) -> dict[str, Any]:
         """The message of this type (and final, about this id); raises RefusedError."""
         while True:
-            data = self.socket.recv(timeout=PATIENCE)
-            message: dict[str, Any] = msgpack.unpackb(data)
+            message: dict[str, Any] = msgpack.unpackb(self.socket.recv(timeout=PATIENCE))
             if message["type"] == "frame":
                 self.send(type="credit", frames=1)
             elif message["type"] == "error" and message["about"] == about:

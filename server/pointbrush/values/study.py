@@ -82,7 +82,7 @@ class StudyTask(Body, Complete):
     labels: Annotated[tuple[Name, ...], Rule(min_length=1, max_length=100)]
     """Names of the labels to reach, of the recording's palette."""
     truth: Annotated[str, Rule(max_length=64)] = ""
-    """Id of a snapshot whose labels are the ground truth; empty: the labels of today."""
+    """Id of a snapshot with the ground truth; empty: the current labels of the recording."""
     time_limit_s: Seconds | None = None
     """Time after which the task ends, seconds without pauses; null: none."""
     stop: Literal["button", "time", "iou"] = "button"

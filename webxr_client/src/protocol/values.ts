@@ -1443,7 +1443,7 @@ export interface StudyTask {
   readonly frames: string;
   /** Names of the labels to reach, of the recording's palette. */
   readonly labels: readonly string[];
-  /** Id of a snapshot whose labels are the ground truth; empty: the labels of today. */
+  /** Id of a snapshot with the ground truth; empty: the current labels of the recording. */
   readonly truth: string;
   /** Time after which the task ends, seconds without pauses; null: none. */
   readonly time_limit_s: number | null;

@@ -77,7 +77,7 @@ def picture(frame: int, camera: Camera, content: bytes, name: str) -> Picture:
 
 
 def projecting(name: str, P: Matrix, T_camera_frame: Matrix | None) -> Camera:
-    """Return the camera of a projection P (3, 4), whose last column moves it from its place."""
+    """Return the camera of a projection P (3, 4); the last column of P moves the camera."""
     K, moved = P[:, :3], np.eye(4)
     moved[:3, 3] = np.linalg.solve(K, P[:, 3])
     return Camera(name, K, None if T_camera_frame is None else moved @ T_camera_frame)

@@ -314,7 +314,7 @@ def begin(view: View, label: int, indices: I64, noise: float, other_movers: Othe
 
 
 def _coarsest_spacing(view: View, indices: I64, xyz: F64, colour: F32) -> float:
-    """Return the greatest spacing (m) of points in those of one sensor; 0.0 for one sensor.
+    """Return the greatest point spacing (m) of any sensor; 0.0 for a recording of one sensor.
 
     Where their points overlap, all together are denser than the surface that only one sees.
     """

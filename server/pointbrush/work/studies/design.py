@@ -83,7 +83,7 @@ def _questionnaires(study: Study, after: str, condition: Condition | None) -> li
 
 
 def items_of(questionnaire: Questionnaire) -> tuple[QuestionItem, ...]:
-    """Return the items of a questionnaire: its own, else those of its scoring."""
+    """Return the items of a questionnaire, or the published items of its scoring if it has none."""
     return questionnaire.items or _scales()[questionnaire.scoring]
 
 

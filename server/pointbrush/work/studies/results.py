@@ -193,4 +193,4 @@ COLUMNS = (
     "participant", "position", "condition", "device", "input", "task",
     *measures(1.0, (), 0, [(0.0, 0.0)]),
 )  # fmt: skip
-"""Columns of the results besides those of questionnaires."""
+"""Columns of the results; each questionnaire adds further columns."""

@@ -215,7 +215,7 @@ class Studies:
         found = self._rows.copies(session).get(number)
         if found:
             return found
-        # Calls of one participant wait for each other, those of others do not.
+        # Calls of one participant wait for each other, and never for calls of other participants.
         with self._copying.setdefault(account, threading.Lock()):
             found = self._rows.copies(self._rows.session(account)).get(number)
             if found:

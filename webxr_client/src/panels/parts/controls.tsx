@@ -55,7 +55,7 @@ interface SureButtonProps {
   onClick: () => void;
 }
 
-/** A button for what cannot be undone: its first press shows the button that does it. */
+/** A button for actions without undo: the first press shows a second button, which acts. */
 export function SureButton({ label, tip, disabled, onClick }: SureButtonProps) {
   const [sure, setSure] = useState(false);
   const act = (): void => {
